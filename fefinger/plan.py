@@ -18,6 +18,7 @@ from fefinger.results.plan_text import trust
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
+from fefinger.scene.ask import OUTPUTS
 from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
 from fefinger.support import machine
@@ -86,13 +87,16 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         A scene that cannot be used, that every mechanics refuses, or that the one that is named is
         not able to answer.
     """
-    case = Situation.of(builtin.given(scene))
-    if every or case.ask.seconds is not None:
-        machine.seconds()
+    scene = builtin.given(scene)
     if mechanics is not None:
         choice("mechanics", mechanics, names())
-    elif (mechanics := case.ask.mechanics) is not None:
+    elif (mechanics := scene.ask.mechanics) is not None:
         choice("ask.mechanics", mechanics, names())
+    if mechanics is not None:
+        scene = replace(scene, ask=scene.ask.settled(MECHANICS[mechanics].outputs))
+    case = Situation.of(scene)
+    if every or case.ask.seconds is not None:
+        machine.seconds()
     if mechanics is None:
         _check_force(case)
     considered = _ladder(case, every=every, named=mechanics)
@@ -115,11 +119,11 @@ def rungs(scene: Scene) -> tuple[Rung, ...]:
 
 
 def settled(scene: Scene, plan: Plan) -> Scene:
-    """Return the scene with the mesh resolution that the plan has chosen."""
+    """Return the scene with the mesh resolution that the plan has chosen, and what it computes."""
     resolution = plan.settings.resolution if plan.settings else None
-    if resolution is None:
-        return scene
-    return replace(scene, finger=replace(scene.finger, resolution=resolution))
+    finger = replace(scene.finger, resolution=resolution) if resolution else scene.finger
+    ask = scene.ask.settled(MECHANICS[plan.mechanics].outputs)
+    return replace(scene, finger=finger, ask=ask)
 
 
 def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, ...]:
@@ -374,7 +378,7 @@ def _settings(case: Situation, chosen: Rung) -> Settings:
         resolution=chosen.resolution,
         half=None if chosen.resolution is None else case.half,
         times=len(case.times),
-        computed=("force", *(x for x in ("pressure", "strain", "fields") if getattr(ask, x))),
+        computed=("force", *(x for x in OUTPUTS if ask.wants(x))),
         afferents=ask.spikes,
     )
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from fefinger.results.key_numbers import rows
+from fefinger.results.plan_text import left_out
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes, other_size
 from fefinger.scene.inertia import quasistatic, samples, warnings
@@ -79,8 +80,8 @@ class Result(ResultRecord):
             notes += (NOT_HARMONIC,)
         if not response.inertia:
             notes += quasistatic(scene, response.time, response.depth)
-        notes += (notice(),) if notice() else ()
-        strain = response.strain if scene.ask.strain else None
+        notes += left_out(scene.ask, plan.mechanics) + ((notice(),) if notice() else ())
+        strain = response.strain if scene.ask.wants("strain") else None
         scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
         fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""
         return cls(
@@ -114,7 +115,7 @@ class Result(ResultRecord):
 
         if not self.scene.ask.spikes:
             raise InputError("ask.spikes: expected the types of units to fire, received none")
-        if not self.scene.ask.strain:
+        if not self.scene.ask.wants("strain"):
             msg = "ask.strain: expected true for further trials, which are fired from the strain"
             raise InputError(f"{msg}; run the scene again")
         ask, since = replace(self.scene.ask, trial=trial), self.scene.motion.recorded_from

@@ -19,7 +19,7 @@ from fefinger.mechanics import get
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.situation import Situation
 from fefinger.results import plan_text
-from fefinger.results.candidate import meshed
+from fefinger.results.candidate import MECHANICS, meshed
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Settings
 from fefinger.scene import builtin
@@ -156,7 +156,7 @@ def test_a_mesh_that_the_scene_states_is_the_only_one():
     stated = published.load("flat-press", {"ask.spikes": [], "finger.resolution": "fine"})
     found = plan.explain(stated)
     assert {rung.resolution for rung in found.rungs[2:]} == {"fine"}
-    assert plan.settled(stated, found) == stated
+    assert plan.settled(stated, found).finger == stated.finger
     chosen = plan.settled(scene(rel_error=0.12), plan.explain(scene(rel_error=0.12)))
     assert chosen.finger.resolution == "coarse"
 
@@ -341,6 +341,19 @@ def test_a_scene_that_all_refuse_names_first_what_runs_it_all_the_same():
     assert "name pressed (--mechanics pressed)" in first
     assert "no press like it was measured" in first
     assert table.splitlines()[0].endswith("verdict")
+
+
+@pytest.mark.parametrize("mechanics", ["lumped", "hertz", "layered"])
+def test_one_that_is_named_leaves_out_what_it_cannot_give_unless_it_is_asked_for(mechanics):
+    scene = builtin.load("flat-press", {"ask.spikes": []})
+    settled = plan.settled(scene, plan.choose(scene, mechanics))
+    assert not settled.ask.fields
+    assert settled.ask.pressure == settled.ask.strain == (mechanics != "lumped")
+    assert "ask.fields" in plan_text.left_out(scene.ask, mechanics)[0]
+    assert not plan_text.left_out(settled.ask, mechanics)
+    with pytest.raises(InputError, match=r"ask\.fields"):
+        plan.choose(replace(scene, ask=replace(scene.ask, fields=True)), mechanics)
+    assert MECHANICS[plan.choose(scene).mechanics].meshed  # where none is named, all is asked for
 
 
 def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():

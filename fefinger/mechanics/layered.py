@@ -194,7 +194,7 @@ def grid(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> "Layer
 
     reach = _reach(finger, indenter, motion)
     layer_gap.check_ridges(_ridges(finger), reach)
-    types = ask.spikes or (tuple(innervation()) if ask.strain else ())
+    types = ask.spikes or (tuple(innervation()) if ask.wants("strain") else ())
     depths = {kind: organ.depth for kind, organ in innervation().items()} | dict(ask.depths)
     shallowest = min((depths[kind] for kind in types), default=math.inf)
     step = layer_gap.spacing(finger, indenter, reach, shallowest)

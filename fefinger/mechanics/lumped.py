@@ -24,6 +24,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate, Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene import pawluk1997
+from fefinger.scene.ask import OUTPUTS
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress, Stages
@@ -34,7 +35,7 @@ from fefinger.theory.relaxation import Prony
 
 
 name = "lumped"
-traits = Traits(meshed=False, finite=False)
+traits = Traits(meshed=False, finite=False, local=False)
 
 REPORT = "lumped-force.json"
 """Laws that were identified from presses of `solid`."""
@@ -159,7 +160,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         Reason(
             f"ask.{each}", f"ask.{each}: requested, but this mechanics gives only force and depth"
         )
-        for each in ("pressure", "strain", "fields", "spikes")
+        for each in (*OUTPUTS, "spikes")
         if getattr(case.ask, each)
     ]
     unable += notes.tangential_reasons(case.motion, case.indenter)

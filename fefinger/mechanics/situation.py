@@ -10,7 +10,7 @@ from fefinger.mechanics.evidence.features import Features
 from fefinger.mechanics.press.discretization import refinement_location
 from fefinger.mechanics.press.notes import Reason
 from fefinger.mechanics.press.time_steps import MOST_OF_FORCE, moving, time_grid, too_long
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import OUTPUTS, Ask
 from fefinger.scene.finger import AUTO, RESOLUTIONS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
@@ -33,8 +33,11 @@ class Situation:
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
-        """Return the situation of a scene, on the mesh that it states or the standard one."""
-        return cls(scene.finger, scene.indenter, scene.motion, scene.ask)
+        """Return the situation of a scene, on the mesh that it states or the standard one.
+
+        Outputs that the scene leaves open are asked for.
+        """
+        return cls(scene.finger, scene.indenter, scene.motion, scene.ask.settled(OUTPUTS))
 
     def on(self, resolution: str) -> "Situation":
         """Return the situation on the mesh of a resolution; the same object at every call."""

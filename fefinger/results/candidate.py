@@ -8,12 +8,21 @@ from fefinger.support import registry
 
 
 class Traits(NamedTuple):
-    """Traits of a mechanics: whether it has a mesh, finite strain, inertia, ridges of the skin."""
+    """Traits of a mechanics: whether it has a mesh, finite strain, inertia, ridges of the skin.
+
+    local: whether it gives pressure and strain, besides the force.
+    """
 
     meshed: bool
     finite: bool
     inertia: bool = False
     ridges: bool = False
+    local: bool = True
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """What it gives of `Ask.pressure`, `strain` and `fields`."""
+        return ("pressure", "strain") * self.local + ("fields",) * self.meshed
 
 
 class _TraitsByName(Mapping[str, Traits]):

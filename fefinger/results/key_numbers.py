@@ -128,7 +128,8 @@ def _far_off(result: ResultRecord) -> list[str]:
     The force is left out, whose error the scene limits.
     """
     chosen, ask = result.plan.chosen, result.scene.ask
-    wanted = {"pressure": ask.pressure, "area": ask.pressure, "strain": ask.strain}
+    pressure, strain = ask.wants("pressure"), ask.wants("strain")
+    wanted = {"pressure": pressure, "area": pressure, "strain": strain}
     far = [name for name, wish in wanted.items() if wish and chosen.errors.get(name, 0.0) > WIDE]
     if not far:
         return []

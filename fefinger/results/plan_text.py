@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from fefinger.results.candidate import MECHANICS
+from fefinger.scene.ask import OUTPUTS
 from fefinger.support.processes import threads
 from fefinger.support.text import duration, percent, table
 
@@ -100,7 +102,8 @@ def trust(rung: "Rung", ask: "Ask") -> str:
     the largest depth, and of the others at that force.
     """
     errors = {"force": rung.error, **rung.errors}
-    requested = ask.force, ask.pressure, ask.pressure, ask.strain or ask.spikes
+    pressure = ask.wants("pressure")
+    requested = ask.force, pressure, pressure, ask.wants("strain") or ask.spikes
     wanted = [name for name, wish in zip(QUANTITIES, requested, strict=True) if wish]
     known = [name for name in wanted if math.isfinite(errors.get(name, math.nan))]
     unknown = [QUANTITIES[name] for name in wanted if name not in known]
@@ -130,3 +133,12 @@ def _sources(rungs: Sequence["Rung"]) -> str:
             by_source.setdefault(rung.evidence, []).append(rung.candidate.label)
     rows = [(", ".join(names), source) for source, names in by_source.items()]
     return table(rows, ("error of", "evidence")) if rows else ""
+
+
+def left_out(ask: "Ask", mechanics: str) -> tuple[str, ...]:
+    """Return a note on outputs that a scene leaves open and its mechanics cannot give."""
+    given = MECHANICS[mechanics].outputs
+    names = [f"ask.{each}" for each in OUTPUTS if getattr(ask, each) is None and each not in given]
+    if not names:
+        return ()
+    return (f"Left out, as {mechanics} cannot give it: {', '.join(names)}.",)

@@ -1,8 +1,8 @@
 """Requested outputs and accuracy of a scene: the table [ask]."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated, ClassVar, Self
 
 from fefinger.scene.key import Key, check
 from fefinger.scene.population import Layout
@@ -17,6 +17,10 @@ from fefinger.support.vocabulary import (
 )
 
 
+OUTPUTS = ("pressure", "strain", "fields")
+"""Outputs besides the force, which not every mechanics can give."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Ask:
     """Requested outputs, accuracy and options of the afferents.
@@ -25,7 +29,8 @@ class Ask:
     ----------
     force, pressure, strain, fields
         Whether the result holds the force, the pressure on the pad, the strain at the end organs
-        and the fields on the mesh.
+        and the fields on the mesh. None: of a mechanics that is named, what it can give; where the
+        planner chooses one, it is asked for all.
     spikes
         Afferent types out of SAI, SAII, FAI, FAII; one unit of each, under first touch, unless
         there is a population.
@@ -57,9 +62,9 @@ class Ask:
     table: ClassVar[str] = "ask"
 
     force: bool = True
-    pressure: bool = True
-    strain: bool = True
-    fields: bool = True
+    pressure: bool | None = None
+    strain: bool | None = None
+    fields: bool | None = None
     spikes: Annotated[tuple[str, ...], Key(words=TYPES, synonyms=TYPE_SYNONYMS)] = ()
     rel_error: Annotated[float, Key(above=0, at_most=1)] = 0.05
     seconds: Annotated[float | None, Key(unit="s", above=0)] = None
@@ -92,3 +97,15 @@ class Ask:
                 f"have no such choice, received {chosen[name]!r}; leave it out, or set "
                 "ask.afferents to 'thesis'"
             )
+
+    def wants(self, output: str) -> bool:
+        """Whether one of `OUTPUTS` is asked for, be it by default."""
+        return getattr(self, output) is not False
+
+    def settled(self, given: Collection[str]) -> Self:
+        """Return it with a decision on each of `OUTPUTS` that is left open: whether it is given."""
+        pressure, strain, fields = (
+            each in given if getattr(self, each) is None else getattr(self, each)
+            for each in OUTPUTS
+        )
+        return replace(self, pressure=pressure, strain=strain, fields=fields)

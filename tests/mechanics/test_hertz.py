@@ -246,7 +246,7 @@ def test_where_no_press_is_like_a_finger_its_error_is_that_of_the_bone_below():
     )
     assert MECHANICS[ff.explain(deeper).mechanics].finite
     with pytest.raises(InputError, match="no mesh"):
-        ff.run(replace(light, ask=ff.Ask()), mechanics="hertz")
+        ff.run(replace(light, ask=ff.Ask(fields=True)), mechanics="hertz")
 
 
 def test_named_it_runs_to_the_spikes_and_records_what_it_would_have_refused():

@@ -88,7 +88,7 @@ def rows(label: str) -> Iterator[dict[str, Any]]:
     respond(scene(candidate, PLAIN, len(VARIANTS)))  # compiles
     for number, (name, changes) in enumerate(VARIANTS.items()):
         given = scene(candidate, changes, number)
-        if candidate.resolution is None and given.ask.fields:
+        if candidate.resolution is None and given.ask.wants("fields"):
             continue
         if candidate.resolution is not None:
             respond(given)  # builds what is kept
@@ -108,8 +108,8 @@ def rows(label: str) -> Iterator[dict[str, Any]]:
             "family": given.ask.afferents,
             "steps": len(response.time),
             "load_steps": int(response.numbers.get("steps", 0)),
-            "areas": Situation.of(given).changes * given.ask.pressure,
-            "fields": int(given.ask.fields),
+            "areas": Situation.of(given).changes * given.ask.wants("pressure"),
+            "fields": int(given.ask.wants("fields")),
             "organs": 0 if response.sites is None else len(response.sites.points),
             "population": int(given.ask.population is not None),
             "blocks": unit_counts.blocks(given.ask),

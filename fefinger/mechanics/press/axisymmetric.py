@@ -112,13 +112,13 @@ def respond(
         _check_width(contact, deepest, numbers["relative_radius_mm"])
         force = history.stress(contact.force(history.nodes)) / prony.long_time
     pad = pressure = area = middle = None
-    if scene.ask.pressure:
+    if scene.ask.wants("pressure"):
         with stages.stage("pressure"):
             pad, pressure = _pressure(finger.pad_radius, prony, contact, first, history)
             area = np.pi * contact.contact_radius(history.edge) ** 2
             middle = np.where((force > 0)[:, None], first.origin[:2], np.nan)
     sites = reference = strain = None
-    if scene.ask.strain or scene.ask.spikes:
+    if scene.ask.wants("strain") or scene.ask.spikes:
         with stages.stage("strain"):
             skin = partial(spherical, finger.pad_radius, direction(STANDARD))
             sites = end_organ_sites(scene.ask, finger.pulp, first.origin, first.axis, skin)

@@ -86,7 +86,7 @@ class LayerPress:
     def sites(self) -> Sites | None:
         """End organs, where strain is asked."""
         ask, finger = self.scene.ask, self.scene.finger
-        if not (ask.strain or ask.spikes):
+        if not (ask.wants("strain") or ask.spikes):
             return None
         skin = partial(spherical, finger.pad_radius, direction(STANDARD))
         return end_organ_sites(ask, finger.pulp, self.first.origin, self.first.axis, skin)
@@ -150,7 +150,7 @@ class LayerPress:
             }
             if isinstance(contact, GridFriction):
                 row |= gripped(contact, places, center)
-            if self.scene.ask.pressure:
+            if self.scene.ask.wants("pressure"):
                 row["pressure"] = blocks(p.reshape(n, n), block).astype(np.float32)
             if probe is not None:
                 row["strain"] = probe.strain(contact.elastic)
@@ -279,7 +279,7 @@ def respond(
     _check(scene, grid, rows)
     time = press.time
     parts: dict[str, Any] = {}
-    if scene.ask.pressure:
+    if scene.ask.wants("pressure"):
         with stages.stage("pressure"):
             parts |= _pressure(press, solved, time)
     if press.sites is not None:

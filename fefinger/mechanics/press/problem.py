@@ -140,7 +140,7 @@ class Press:
         obstacle = placement.obstacle(scene.indenter, body)
         check_depth(motion, mesh, obstacle)
         sites = None
-        if ask.strain or ask.spikes:
+        if ask.wants("strain") or ask.spikes:
             skin = partial(meshed, body.space.points, body.pad, body.normals, half=body.half)
             sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
         feature = scene.indenter.feature if motion.slides else np.inf
@@ -158,8 +158,8 @@ class Press:
             time=time,
             sites=sites,
             reference=reference_plate(finger, body, ask) if ask.spikes else None,
-            pressure=ask.pressure,
-            fields=ask.fields,
+            pressure=ask.wants("pressure"),
+            fields=ask.wants("fields"),
             notes=(
                 *notes,
                 *finger_notes(finger),
