@@ -8,7 +8,8 @@ answer      run, explain (which mechanics, how good), study (a grid), receptive_
 spikes      spikes(time, displacement) of a series of your own; SpikeTrains, neural.psth and others
 scene       Scene(finger=, indenter=, motion=, ask=)
 finger      Finger.subject("a.h."), Finger(width=, thickness=), Finger.from_surface("scan.stl")
-indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille, Letters, Relief
+indenter    Flat, Sphere, Pin, Bar, Cylinder, Ellipsoid, Grating, Dots, Braille, Letters, Fabric,
+            Relief
 motion      RampHold(speed=, depth=, hold=) or, by force, (loading_rate=, force=, hold=); Slide, ...
 ask         Ask(spikes=("SAI",), rel_error=0.05, population=Scatter(), Grid, Line or Places)
 loop        Loop(finger, indenter): one step of your own at a time; Vibrations(finger, indenter)
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from fefinger.result import load as load
     from fefinger.results.result_record import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
+    from fefinger.scene.fabric import Fabric as Fabric
     from fefinger.scene.finger import Finger as Finger
     from fefinger.scene.indenter import Indenter as Indenter
     from fefinger.scene.indenters import Bar as Bar
@@ -121,6 +123,7 @@ _HOMES = {
     "scene.samples": ("Sampled",),
     "scene.sliding": ("Slide", "SampledPath"),
     "scene.texts": ("Braille", "Letters"),
+    "scene.fabric": ("Fabric",),
     "neural.family": ("Family",),
     "neural.series": ("spikes",),
     "neural.trains": ("SpikeTrains",),

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import costs
+from fefinger.mechanics.evidence import costs, unit_counts
 from fefinger.mechanics.evidence.stated_errors import StatedError, error_of
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
@@ -34,7 +34,6 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
-from fefinger.support.machine import slowness
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.stack import Layer, Stack
@@ -89,11 +88,10 @@ COULOMB = (
     "{kinetic:g} where it slips."
 )
 
-UNKNOWN = "not known: no press on a grid was compared with finite strain"
+UNKNOWN = "not known: no press of a skin with ridges was compared with finite strain"
 
-STEP_SECONDS = 0.8e-6
-"""CPU seconds of a step of a grid per point, on the machine of the reports: measured 0.5e-6 under
-letters and Braille, 1.2e-6 under dots and ridges with 100 units."""
+ON_A_GRID = f"{name} on a grid"
+"""Name of its cost there."""
 
 HIGHEST, APART = 6.0, 0.1
 """Distance in mm from the middle within which the heights of an object are looked at, and steps."""
@@ -265,10 +263,14 @@ def cost(case: Situation) -> float:
     """Return the expected CPU time in s."""
     if not on_grid(case.finger, case.indenter, case.motion):
         return costs.formula_seconds(name, case)
-    points = grid(case.finger, case.indenter, case.motion, case.ask).points
     feature = case.indenter.feature if case.motion.slides else math.inf
     steps = len(time_grid(case.motion, fast=False, feature=feature))
-    return costs.seconds(name, "setup") + steps * points**2 * STEP_SECONDS * slowness({})
+    points = grid(case.finger, case.indenter, case.motion, case.ask).points ** 2
+    stages = ("point", "gripped") if case.indenter.friction else ("point",)
+    spent = steps * points * sum(costs.seconds(ON_A_GRID, stage) for stage in stages)
+    organs = unit_counts.organs(case.ask) if case.ask.population is not None else 0.0
+    spent += organs * len(case.times) * costs.seconds(ON_A_GRID, "sample")
+    return spent + costs.seconds(ON_A_GRID, "setup")
 
 
 once, coarser = hertz.once, hertz.coarser
@@ -277,7 +279,7 @@ _measured = error_of(name)
 
 def error(case: Situation, quantity: str = "force") -> StatedError:
     """Return the measured relative error of a quantity, and its source."""
-    if on_grid(case.finger, case.indenter, case.motion):
+    if _ridges(case.finger) is not None:
         return StatedError(math.nan, UNKNOWN)
     return _measured(case, quantity)
 

@@ -174,6 +174,7 @@ INDENTERS: Registry[Any] = Registry(
         "dots": "fefinger.scene.textured:Dots",
         "braille": "fefinger.scene.texts:Braille",
         "letters": "fefinger.scene.texts:Letters",
+        "fabric": "fefinger.scene.fabric:Fabric",
     },
     key="kind",
     classes=True,

@@ -41,6 +41,7 @@ OBJECTS = [
     ff.Dots(2.5, diameter=0.8, arrangement="random", seed=3, roll=20),
     ff.Braille("ab", start=-1 / 3),
     ff.Letters("O", size=5, angle=20),
+    ff.Fabric(1.5, height=0.2, fiber=0.3, seed=4, roll=15),
 ]
 EXTENT = {"pressure": False, "strain": False, "fields": False}
 
@@ -203,6 +204,7 @@ ANSWERS = {
     "dots": (ff.Dots(3, edge=0.2, roll=10), (30, 0), None, None, 10, None, None, 0.2),
     "braille": (ff.Braille("a", angle=20), (20, 0), None, None, 0, None, None, 0.25),
     "letters": (ff.Letters("I", edge=0.1), (30, 0), None, None, 0, None, None, 0.1),
+    "fabric": (ff.Fabric(1.2, roughness=0), (30, 0), None, None, 0, None, None, 0.486),
     "relief": (ff.Relief.of(dots, FINE, FINE, angle=9), (9, 0), None, None, 0, None, None, 1.14),
 }
 """Of every kind an object, with its plate, flat, place, turn, hertzian radii, ball and least
@@ -216,7 +218,8 @@ def test_an_object_answers_for_itself(kind: str) -> None:
     assert (one.plate, one.flat, one.place, one.turn) == (plate, flat, place, turn)
     assert (one.hertzian, one.ball_radius) == (hertzian, ball)
     assert one.least_radius == pytest.approx(least, rel=0.05)
-    assert one.sharp == (kind in {"bar", "pin", "grating", "relief", "dots", "braille", "letters"})
+    smooth = {"flat", "sphere", "ellipsoid", "cylinder"}
+    assert one.sharp == (kind not in smooth)
     assert one.profile.plane == (kind == "flat")
     assert one.describe().startswith("a rigid ")
 

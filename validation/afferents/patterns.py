@@ -13,7 +13,8 @@ import numpy as np
 from fefinger.validation.afferents import experiments
 
 from fefinger.contact.active_set import DONE
-from fefinger.contact.gridded import GridContact
+from fefinger.contact.gridded import GridContact, GridStepper
+from fefinger.contact.gridded_friction import GridFriction
 from fefinger.contact.stepper import Target
 from fefinger.geometry.profiles import Profile
 from fefinger.mechanics.layered import stack
@@ -52,10 +53,14 @@ class Pad:
         places = self.grid.places
         return np.asarray(np.sum(places**2, axis=-1) / (2 * self.radius) + shape(places))
 
-    def contact(self, gap: Callable[[tuple[float, float]], Array]) -> GridContact:
+    def contact(
+        self, gap: Callable[[tuple[float, float]], Array], friction: float = 0.0
+    ) -> GridStepper:
         """Return the elastic contact with an object, by its gap (n, n) mm at a place."""
-        shape = (self.points, self.points)
-        return GridContact(self.grid.compliance, shape, self.spacing, gap, ELASTIC)
+        shape, rest = (self.points, self.points), (self.spacing, gap, ELASTIC)
+        if not friction:
+            return GridContact(self.grid.compliance, shape, *rest)
+        return GridFriction(self.grid.flexibility, shape, (friction, friction), *rest)
 
     def pressure(self, shape: Shape, depth: float) -> Array:
         """Pressure (n, n) in kPa under a rigid object `depth` mm deep.
@@ -72,7 +77,7 @@ class Pad:
         return StrainProbe(self.grid, places, np.full(len(places), z)).strain(pressure)
 
 
-def solved(contact: GridContact, target: Target) -> None:
+def solved(contact: GridStepper, target: Target) -> None:
     """Take a contact to a target; ConvergenceError if it is not found."""
     outcome = contact.advance(1.0, target)
     if outcome != DONE:

@@ -21,7 +21,7 @@ from fefinger.support.machine import REPORTED
 
 
 SMALL_STRAIN, SOLID, TABULATION = "small-strain-cost.json", "solid-cost.json", "pressed-error.json"
-AFFERENTS = "afferent-cost.json"
+AFFERENTS, GRID = "afferent-cost.json", "grid-cost.json"
 
 LAW = "neo-hookean"
 """Law of tissue that does not stiffen."""
@@ -98,7 +98,7 @@ def coefficients(folder: Path) -> dict[str, Any]:
             for stage, value in standard.items()
         }
         table[f"{name} fine"] = fine | table.get(f"{name} fine", {})
-    table |= BY_HAND | spikes
+    table |= BY_HAND | spikes | {ON_GRID: _on_grid(saved(folder / GRID))}
     rounded = {
         label: {stage: float(f"{value:.4g}") for stage, value in row.items()}
         for label, row in table.items()
@@ -108,6 +108,9 @@ def coefficients(folder: Path) -> dict[str, Any]:
 
 
 MESHES = ("coarse", "standard", "fine")
+
+ON_GRID = "layered on a grid"
+"""Name of the stages of `layered` on a grid."""
 
 FORMULAS = ("hertz", "layered")
 """Mechanics without a mesh whose cost is all of one fit."""
@@ -157,6 +160,23 @@ def _ratio(answers: dict[str, dict[str, float]], mechanics: str, mesh: str, stag
     """Return the seconds of a stage on a mesh over those on the coarse one."""
     coarse, there = (answers[f"{mechanics} {each}"][stage] for each in ("coarse", mesh))
     return there / coarse if coarse else 1.0
+
+
+def _on_grid(report: dict[str, Any]) -> dict[str, float]:
+    """Return the seconds of the stages of answers on a grid.
+
+    point: of a grid point at a step; gripped: what friction adds to it; sample: of a component of
+    strain at a time.
+    """
+    rows = list(report["rows"].values())
+    points = _column(rows, "points") * _column(rows, "steps")
+    stages = {
+        "setup": np.ones(len(rows)),
+        "point": points,
+        "gripped": points * _column(rows, "friction"),
+        "sample": _column(rows, "organs") * _column(rows, "times"),
+    }
+    return _scaled(_fitted(stages, _column(rows, "seconds")), report)
 
 
 def _spikes(report: dict[str, Any]) -> dict[str, dict[str, float]]:

@@ -1,7 +1,9 @@
-"""Measure what ridges of the skin add to rates over scanned dots, and how sure that is.
+"""Measure what ridges of the skin and friction add to rates over dots, and how sure that is.
 
-Run as `python -m fefinger.validation.evidence.ridges reports`: some four minutes. Nothing is
-fitted: units, dots and the finger are those of the suite `friction`.
+Run as `python -m fefinger.validation.evidence.ridges reports`: some eight minutes. Nothing is
+fitted: units, dots and the finger are those of the suite `friction`. A rate is the mean over draws
+of the gains and the noise of the units, of which some ten of a type count: one draw alone moves the
+rate of FAII by a third.
 """
 
 import sys
@@ -12,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.friction import dots, layers
-from fefinger.validation.provenance import save
+from fefinger.validation.provenance import save, short
 
 from fefinger.scene.ridges import Ridges
 from fefinger.support.arrays import Array
@@ -31,11 +33,23 @@ VARIED = {
     "concentric": Ridges(shape="concentric"),
 }
 
+FRICTION = 0.3
+"""Coefficient of Coulomb, a convention: of wet skin that slides, as in the recordings."""
+
+SPEEDS = (20.0, 60.0, 120.0)
+"""mm/s; the strain is that of the same skin at all of them, as nothing relaxes."""
+
 POINTS, SPACING = 384, 0.04
 """Grid points on a side under ridges, and their distance in mm, as `layered` chooses it."""
 
 FINER, PART = 1.5, 1 / 3
 """Factor on the grid points, and part of a point by which the start is moved."""
+
+DRAWS = (1, 2, 3, 4, 5)
+"""Seeds of the gains and the noise of the units."""
+
+Rates = dict[str, dict[str, float]]
+"""Mean rate in Hz over DRAWS by type, and its standard deviation."""
 
 
 @contextmanager
@@ -44,71 +58,110 @@ def grid(points: int, spacing: float) -> Iterator[None]:
     before = layers.POINTS, layers.SPACING
     layers.POINTS, layers.SPACING = points, spacing
     layers.fine.cache_clear()
-    layers.scanned.cache_clear()
     yield
     layers.POINTS, layers.SPACING = before
     layers.fine.cache_clear()
-    layers.scanned.cache_clear()
 
 
-def rates(spacing: float, ridges: Ridges | None, start: float = 0.0) -> dict[str, float]:
-    """Return the rates in Hz by type over dots; `start` mm: where they begin."""
-    fired, _ = layers.scanned(spacing, ridges=ridges, start=start)
-    return {kind: float(rate) for kind, rate in fired.items()}
+class Scan:
+    """Dots `spacing` mm apart under skin with or without ridges and friction; start: mm aside."""
 
+    def __init__(
+        self, spacing: float, ridges: Ridges | None, start: float = 0.0, friction: float = 0.0
+    ) -> None:
+        self.spacing, scene = spacing, dots.scene(spacing, dots.DIAMETER)
+        self.speed = float(scene.to_dict()["motion"]["speed"])
+        self.organs = layers.sites(scene)
+        self.strain = layers.strains(scene, self.organs, ridges, start, friction)
 
-def of_spacings(ridges: Ridges | None) -> dict[str, list[float]]:
-    """Return the rates of each type at the spacings of the recordings."""
-    each = [rates(spacing, ridges) for spacing in dots.SPACINGS]
-    return {kind: [one[kind] for one in each] for kind in dots.recorded()}
-
-
-def line(ridges: Ridges | None) -> dict[str, float]:
-    """Return how the input of FAII swings in mm at speed over pitch, and at the dots' frequency.
-
-    Root mean squares over time, means over end organs.
-    """
-    scene = dots.scene(AT, dots.DIAMETER)
-    organs = layers.sites(scene)
-    speed = float(scene.to_dict()["motion"]["speed"])
-    inputs = dots.inputs(layers.strains(scene, organs, ridges), organs)
-    deep: Array = inputs[:, np.array(organs.types) == "FAII"]
-    waves = np.sqrt(2) * np.abs(np.fft.rfft(deep, axis=0)).mean(axis=1) / len(deep)
-    frequency = speed / AT * np.arange(len(waves))
-    near = np.abs(frequency - speed / Ridges().pitch) < speed / AT
-    return {"at_speed_over_pitch": float(waves[near].max()), "at_dots": float(waves[1])}
-
-
-def on_grid() -> dict[str, Any]:
-    """Return what is measured on the grid of ridges."""
-    with grid(POINTS, SPACING):
+    def rates(self, speed: float = 0.0) -> Rates:
+        """Return the rates at a speed in mm/s, by default that of the recordings."""
+        moved = speed or self.speed
+        drawn = [
+            layers.fired(self.organs, self.strain, self.spacing, moved, seed) for seed in DRAWS
+        ]
+        found = {kind: [each[kind] for each in drawn] for kind in drawn[0]}
         return {
-            "ridges_Hz": of_spacings(Ridges()),
-            "varied_Hz": {name: rates(AT, each) for name, each in VARIED.items()},
-            "moved_by_part_of_a_point_Hz": rates(AT, Ridges(), start=PART * SPACING),
-            "FAII_input_mm": {"smooth": line(None), "ridges": line(Ridges())},
+            "mean": {kind: round(float(np.mean(each)), 3) for kind, each in found.items()},
+            "deviation": {
+                kind: round(float(np.std(each, ddof=1)), 3) for kind, each in found.items()
+            },
         }
 
+    def line(self) -> dict[str, float]:
+        """Return how the input of FAII swings in mm at speed over pitch, and at that of the dots.
 
-def on_other_grid(factor: float) -> dict[str, float]:
+        Root mean squares over time, means over end organs.
+        """
+        inputs = dots.inputs(self.strain, self.organs)
+        deep: Array = inputs[:, np.array(self.organs.types) == "FAII"]
+        waves = np.sqrt(2) * np.abs(np.fft.rfft(deep, axis=0)).mean(axis=1) / len(deep)
+        frequency = self.speed / self.spacing * np.arange(len(waves))
+        near = np.abs(frequency - self.speed / Ridges().pitch) < self.speed / self.spacing
+        return {"at_speed_over_pitch": float(waves[near].max()), "at_dots": float(waves[1])}
+
+
+def of_spacings(ridges: Ridges | None, friction: float = 0.0) -> dict[str, Any]:
+    """Return the rates of each type at the spacings of the recordings, and how they compare.
+
+    ratio: computed over recorded; correlation over the spacings; modulation: the range of the rates
+    over their mean, over the same of the recorded ones.
+    """
+    each = [Scan(spacing, ridges, friction=friction).rates() for spacing in dots.SPACINGS]
+    places, out = np.array(dots.SPACINGS), dict[str, Any]()
+    for kind, at in dots.recorded().items():
+        rates, recorded = np.array([one["mean"][kind] for one in each]), np.interp(places, *at)
+        ranges = [np.ptp(x) / max(x.mean(), dots.SILENT) for x in (rates, recorded)]
+        out[kind] = {
+            "Hz": short(rates),
+            "deviation": short([one["deviation"][kind] for one in each]),
+            "ratio": short(rates / recorded, 3),
+            "correlation": round(float(np.corrcoef(rates, recorded)[0, 1]), 3),
+            "modulation": round(float(ranges[0] / ranges[1]), 3),
+        }
+    return out
+
+
+def at_one_spacing() -> dict[str, Any]:
+    """Return what is measured at the spacing AT on the grid of ridges."""
+    ridged, smooth = Scan(AT, Ridges()), Scan(AT, None)
+    held = Scan(AT, Ridges(), friction=FRICTION)
+    varied = {name: Scan(AT, each).rates() for name, each in VARIED.items()}
+    varied["friction 0.3"], varied["friction 0.6"] = (
+        held.rates(),
+        Scan(AT, Ridges(), friction=2 * FRICTION).rates(),
+    )
+    lines = {"smooth": smooth, "ridges": ridged, "ridges and friction": held}
+    return {
+        "varied_Hz": varied,
+        "moved_by_part_of_a_point_Hz": Scan(AT, Ridges(), start=PART * SPACING).rates(),
+        "FAII_input_mm": {name: each.line() for name, each in lines.items()},
+        "speeds_Hz": {f"{speed:g} mm/s": ridged.rates(speed) for speed in SPEEDS},
+    }
+
+
+def on_other_grid(factor: float) -> Rates:
     """Return the rates on a grid with so many times the points."""
     with grid(2 * round(POINTS * factor / 2), SPACING / factor):
-        return rates(AT, Ridges())
+        return Scan(AT, Ridges()).rates()
 
 
 def report() -> dict[str, Any]:
     """Return the report."""
     places = np.array(dots.SPACINGS)
-    recorded = {kind: np.interp(places, *at).tolist() for kind, at in dots.recorded().items()}
-    return {
+    recorded = {kind: short(np.interp(places, *at)) for kind, at in dots.recorded().items()}
+    found: dict[str, Any] = {
         "spacing_mm": list(dots.SPACINGS),
         "recorded_Hz": recorded,
-        "smooth_Hz": of_spacings(None),
+        "draws": list(DRAWS),
+        "smooth": of_spacings(None),
         "varied_at_mm": AT,
         "finer_grid_Hz": on_other_grid(FINER),
         "coarser_grid_Hz": on_other_grid(1 / FINER),
-        **on_grid(),
     }
+    with grid(POINTS, SPACING):
+        found |= {"ridges": of_spacings(Ridges()), **at_one_spacing()}
+        return found | {"ridges and friction": of_spacings(Ridges(), FRICTION)}
 
 
 if __name__ == "__main__":

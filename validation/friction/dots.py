@@ -124,7 +124,9 @@ def variations(strain: Array, sites: Sites) -> dict[str, tuple[float, float]]:
     }
 
 
-def fired(sites: Sites, time: Array, inputs: Array, period: float) -> dict[str, float]:
+def fired(
+    sites: Sites, time: Array, inputs: Array, period: float, seed: int = SEED
+) -> dict[str, float]:
     """Return the mean rates in Hz by type in a pass of a scan that has gone on for BEFORE s.
 
     time (n_t,) s from 0 on and inputs (n_t, n_organs) mm of a pass over dots that come every
@@ -144,7 +146,7 @@ def fired(sites: Sites, time: Array, inputs: Array, period: float) -> dict[str, 
         np.concatenate([np.tile(passed, (count, 1)), inputs]),
         types=tuple(types),
         unit=sites.unit,
-        variation=Variation(seed=SEED, spread=None, noise=None),
+        variation=Variation(seed=seed, spread=None, noise=None),
         check=False,
     )
     counts = np.array([np.count_nonzero(each >= 0.0) for each in trains.times])

@@ -53,11 +53,18 @@ def sites(scene: Scene) -> Sites:
     return of_population(place_units(scene.ask, skin, np.array([0.0, 0.0, 1.0])))
 
 
-def strains(scene: Scene, organs: Sites, ridges: Ridges | None = None, start: float = 0.0) -> Array:
+def strains(
+    scene: Scene,
+    organs: Sites,
+    ridges: Ridges | None = None,
+    start: float = 0.0,
+    friction: float = 0.0,
+) -> Array:
     """Strain (n, n_organs, 3, 3) at the end organs over a spacing of the dots of a scene, evenly.
 
     The first is that with a dot in the middle of the pad, where straight ridges have a crest. With
-    a `start` mm from there nothing is mirrored.
+    a `start` mm from there nothing is mirrored, nor with friction, under which a spacing is passed
+    before the one that counts.
     """
     indenter: Any = scene.indenter
     pad, profile, spacing = fine(), indenter.profile, indenter.spacing
@@ -65,27 +72,29 @@ def strains(scene: Scene, organs: Sites, ridges: Ridges | None = None, start: fl
     count = max(3, round(spacing / (STEP if ridges is None else FINE_STEP)))
     grid = pad.grid
     skin = pad.gap(lambda at: 0.0 * at[..., 0] if ridges is None else ridges.valleys(at))
-    contact = pad.contact(lambda shift: skin + profile.rise(grid.places - np.array(shift)))
+    contact = pad.contact(
+        lambda shift: skin + profile.rise(grid.places - np.array(shift)), friction
+    )
     places, n = organs.points[:, :2], len(organs.points)
+    mirrored = not start and not friction
     both = np.vstack([places, places * [-1.0, 1.0]])
-    probe = StrainProbe(grid, both, np.tile(organs.depths, 2))
+    probe = StrainProbe(grid, both, np.tile(organs.depths, 2), friction=friction > 0.0)
     mirror = np.array([-1.0, 1.0, 1.0])
     out = np.empty((count, n, 3, 3))
-    for k in range(count if start else count // 2 + 1):
+    for k in range(-count if friction else 0, count // 2 + 1 if mirrored else count):
         target = Target(force, by_force=True, shift=(start + spacing * k / count, 0.0))
         patterns.solved(contact, target)
-        out[k], there = np.split(probe.strain(contact.pressure), 2)
-        if not start:
+        if k < 0:
+            continue
+        out[k], there = np.split(probe.strain(contact.elastic), 2)
+        if mirrored:
             out[-k] = there * np.multiply.outer(mirror, mirror)
     return out
 
 
 @cache
 def scanned(
-    spacing: float,
-    diameter: float = dots.DIAMETER,
-    ridges: Ridges | None = None,
-    start: float = 0.0,
+    spacing: float, diameter: float = dots.DIAMETER
 ) -> tuple[dict[str, float], dict[str, tuple[float, float]]]:
     """Rates in Hz, and mean and deviation of strain, over dots, by type.
 
@@ -93,11 +102,17 @@ def scanned(
     """
     scene = dots.scene(spacing, diameter)
     organs, speed = sites(scene), float(scene.to_dict()["motion"]["speed"])
-    strain = strains(scene, organs, ridges, start)
+    strain = strains(scene, organs)
+    return fired(organs, strain, spacing, speed), dots.variations(strain, organs)
+
+
+def fired(
+    organs: Sites, strain: Array, spacing: float, speed: float, seed: int = dots.SEED
+) -> dict[str, float]:
+    """Rates in Hz by type at a speed in mm/s, of strain over a spacing of dots."""
     count = round(spacing / speed / EVERY)
     passes = round(dots.DISTANCE / spacing)
     one = resample(dots.inputs(strain, organs), count, axis=0)
     time = spacing / speed / count * np.arange(count * passes + 1, dtype=np.float64)
     inputs = np.concatenate([np.tile(one, (passes, 1)), one[:1]])
-    rates = dots.fired(organs, time, inputs, spacing / speed)
-    return rates, dots.variations(strain, organs)
+    return dots.fired(organs, time, inputs, spacing / speed, seed)
