@@ -22,6 +22,8 @@ ABOUT = suites.ABOUT | {
         "Effect of assumptions on R, m and c0 b of the fit to simulated frames."
     ),
     "ridges": "Rates over scanned dots with ridges of the skin, and what they depend on.",
+    "grid-errors": "Errors of layered on a grid under bars, pins, gratings and a cylinder.",
+    "grid-cost": "CPU time of layered on a grid, with and without friction and ridges.",
     "round-tip": "From the flat pad of a.h. to a finger with a round tip, step by step.",
     "contact-angle": "Effect of the angle of a plate on contact, asymmetry, strain and spikes.",
     "bench-condensed": "Speed and memory of building and stepping condensed fingers.",

@@ -69,7 +69,8 @@ ON_GRID = (
     "the tip and the nail are left out, and the bone is flat. The pad is a paraboloid.",
     "Small strain, a rigid object; the pressure acts along the travel, not along the slopes of the "
     "object, and the skin meets the heights ahead of its undeformed points.",
-    "The whole stress relaxes with one function G(t).",
+    "The whole stress relaxes with one function G(t). Stated errors are those of a press without a "
+    "path, friction or ridges.",
     notes.QUASISTATIC,
 )
 

@@ -152,6 +152,22 @@ def test_the_planner_lists_it_for_textures_and_refuses_ridges_elsewhere():
     assert "finger.ridges" in [each.field for each in other.chosen.refusals]
 
 
+def test_a_relief_from_a_file_is_pressed_as_what_it_was_drawn_from_and_told_where_it_ends(tmp_path):
+    lines = np.arange(-6.0, 6.01, 0.1)
+    dots = ff.Dots(3.0, height=0.3, diameter=1.2, edge=0.3)
+    heights = -dots.profile.rise(np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1))
+    np.savez(tmp_path / "dots.npz", x=lines, y=lines, height=heights)
+    relief = ff.Relief.from_file(tmp_path / "dots.npz")
+    grid = LayerGrid(STACK, 64, 0.2, width=1.5)
+    drawn, read = (
+        on(grid, scene(indenter=each, motion=ff.Ramp(40, 0.5))) for each in (dots, relief)
+    )
+    assert read.force == pytest.approx(drawn.force, abs=0.01 * drawn.force.max())
+    away = ff.Slide(60, 0.4, distance=5.5, settle=0.02, approach=40, corner=0.0)
+    with pytest.raises(InputError, match="expected a path on which the pad stays on the object"):
+        on(grid, scene(indenter=relief, motion=away))
+
+
 def test_ridges_are_a_table_of_a_scene():
     text = scene(finger=replace(FINGER, ridges=ff.Ridges(height=0.2, shape="concentric"))).to_toml()
     again = ff.Scene.from_toml(text)
