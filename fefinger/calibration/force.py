@@ -108,10 +108,11 @@ class Forces:
         solved = "bounds alone, those of the presses that were solved"
         stiff = SKIN if math.isclose(self.ratio, library.SKIN_RATIO) else f"{GIVEN}: a factor 1.8"
         modulus, ratio = (self.modulus, MODULUS_SD), (self.ratio, RATIO_SD)
+        held = not self.target.shows_ratio
         return (
             Unknown(MODULUS, self.modulus, 0.3, 2e3, "kPa", soft, prior=modulus),
             Unknown(SHAPE, 3.0, max(shapes[0], 0.02), shapes[-1], "1", solved, log=False),
-            Unknown(RATIO, self.ratio, 1.0, 30.0, "1", stiff, prior=ratio, held=True),
+            Unknown(RATIO, self.ratio, 1.0, 60.0, "1", stiff, prior=ratio, held=held),
         )
 
     def starts(self) -> list[Values]:

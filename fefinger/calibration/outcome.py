@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.force import MODULUS, RADIUS, SHAPE
+from fefinger.calibration.force import MODULUS, RADIUS, RATIO, SHAPE
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
 from fefinger.calibration.record_target import RecordTarget
@@ -81,6 +81,9 @@ def outcome(
         exponent = round(values[SHAPE], 4)
     own = wanted.remarks(values, finite=finite, with_frames=bool(array))
     fitted, curve = stiffening(finger, exponent, factor), result.law.curve
+    if finite:
+        skin = values[RATIO] * fitted.subcutaneous.modulus
+        fitted = replace(fitted, skin=replace(fitted.skin, modulus=skin))
     parameters, correlations = parameters_of(solution)
     residuals = {"misfit": solution.misfit, **wanted.misfits(result.law, values), **array}
     residuals["distance of the curve from the last press"] = ripple

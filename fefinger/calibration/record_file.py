@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from fefinger.calibration import lumped_fit
-from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget
+from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget, peak_after_corner
 from fefinger.calibration.rig import Rig
 from fefinger.calibration.trace import trace
 from fefinger.scene.finger import Finger
@@ -69,7 +69,8 @@ def made(
     tare = float(force[:free].mean()) if free >= FREE else 0.0
     try:
         parts = split(time, position, force - tare)
-        lumped = _lumped(time, position, force - tare)
+        late = peak_after_corner(parts) if rig.is_loose("delay") else 1e-3 * rig.delay[0]
+        lumped = _lumped(time, np.interp(time - late, time, position), force - tare)
     except ValueError as error:
         raise InputError(f"{name}: {error}") from None
     except RuntimeError:

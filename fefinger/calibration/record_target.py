@@ -21,6 +21,9 @@ from fefinger.theory.lumped.spring import force as lumped_force
 from fefinger.theory.relaxation import hereditary_integral
 
 
+LATEST = 0.03
+"""Largest delay in s that is read from the peak of a force; a later peak is none of a corner."""
+
 PEAK = 3
 """Samples that are averaged to find the peak of the force."""
 
@@ -95,6 +98,11 @@ class RecordTarget:
     factor: Array
 
     @property
+    def shows_ratio(self) -> bool:
+        """Always: a record has the depth."""
+        return True
+
+    @property
     def touch(self) -> str:
         """Name of the position of first touch."""
         return TOUCH + self.press
@@ -113,7 +121,9 @@ class RecordTarget:
     def lumped_misfit(self) -> float:
         """Squared residuals of the lumped model over the noise and the degrees of freedom."""
         spring, prony = self.lumped.spring, self.lumped.prony
-        model = lumped_force(spring, prony, self.trace.time, self.position) + self.tare
+        time, late = self.trace.time, peak_after_corner(self.record)
+        position = np.interp(time - late, time, self.position)
+        model = lumped_force(spring, prony, time, position) + self.tare
         residuals = solve_triangular(self.factor, model - self.force, lower=True)
         # The weights of G sum to 1, so one of the parameters is not free.
         freedom = max(1, len(residuals) - len(self.lumped.parameters) + 1)
@@ -130,14 +140,8 @@ class RecordTarget:
         x0 = self.lumped.spring.x0
         touch = "bounds about the touch of the lumped fit"
         at = Unknown(self.touch, x0 - 0.05, x0 - 2.0, x0 + 0.5, "mm", touch, log=False)
-        seen = {"offset": 1e3 * self.tare, "delay": 1e3 * self.peak_after_corner}
+        seen = {"offset": 1e3 * self.tare, "delay": 1e3 * peak_after_corner(self.record)}
         return (at, *self.rig.unknowns(self.press, seen))
-
-    @property
-    def peak_after_corner(self) -> float:
-        """Time in s from the corner of the ramp to the largest force."""
-        peak = int(np.argmax(smooth(self.record.force, PEAK)))
-        return float(self.record.time[peak] - self.record.time[self.record.hold])
 
     @property
     def lumped_law(self) -> LumpedLaw:
@@ -268,6 +272,13 @@ class RecordTarget:
         late = np.log(np.maximum(since, AT_TOUCH))
         later = np.abs(np.subtract.outer(late, late))
         return [both * np.exp(-apart / LENGTH), both * np.exp(-later / SLOWLY)]
+
+
+def peak_after_corner(record: RampHold) -> float:
+    """Return the time in s from the corner of a ramp to the largest force: a first delay."""
+    peak = int(np.argmax(smooth(record.force, PEAK)))
+    late = float(record.time[peak] - record.time[record.hold])
+    return late if abs(late) < LATEST else 0.0
 
 
 def interpolated(at: Array, time: Array, values: Array) -> Array:

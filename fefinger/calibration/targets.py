@@ -34,6 +34,10 @@ class Target(Protocol):
         """Name of the data in messages."""
 
     @property
+    def shows_ratio(self) -> bool:
+        """Whether the data have the depth, which tells the modulus of the skin from the pulp's."""
+
+    @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """Unknowns of the data, besides those of the finger."""
 

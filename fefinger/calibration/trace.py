@@ -11,8 +11,12 @@ from fefinger.support.arrays import Array
 from fefinger.theory.lumped.ramp_hold import RampHold, group_starts
 
 
-FREE, RAMP = 40, 200
-"""Largest numbers of averages before touch and on the ramp."""
+REST, APPROACH, NEAR, RAMP = 20, 20, 80, 200
+"""Largest numbers of averages: in the rest, in the approach, before touch, and on the ramp."""
+
+ABOUT = 1.0
+"""Travel in mm before certain contact that counts as near: the first contact bends the force, whose
+average is then not the one at the average depth."""
 
 STEP = 0.02
 """Largest step in mm of depth between nodes of the model: its force then bends by 1e-4."""
@@ -74,21 +78,24 @@ def trace(record: RampHold, force: Array, position_noise: float) -> Trace:
     hold: noise of the position would otherwise act on the model's force as if the finger had felt
     it. It meets the corner where what is before it and what is after it, continued, meet.
     """
-    starts = np.array(group_starts(record, FREE, RAMP))
+    begun = _begun(record.position[: record.hold], position_noise)
+    near = np.flatnonzero(record.position[: record.touch] < record.position[record.touch] - ABOUT)
+    close = max(int(near[-1]) + 1 if near.size else 0, begun)
+    parts = ((0, REST), (begun, APPROACH), (close, NEAR), (max(record.touch, close), RAMP))
+    starts = np.array(group_starts(record, parts))
     size = np.diff([*starts, len(record.time)]).astype(float)
     time, position, force = (
         np.add.reduceat(values, starts) / size for values in (record.time, record.position, force)
     )
     sd = max(position_noise, 1e-9) / np.sqrt(size)
     away = _unsure(record, position_noise)
-    begun = _begun(record.position[: record.hold], position_noise)
-    parts = (
+    stretches = (
         starts + size <= begun,
         (starts >= begun) & (starts + size <= record.hold - away),
         starts >= record.hold + away,
     )
-    used = np.concatenate([np.flatnonzero(part) for part in parts])
-    ends = np.cumsum([0, *(int(part.sum()) for part in parts)]).tolist()
+    used = np.concatenate([np.flatnonzero(part) for part in stretches])
+    ends = np.cumsum([0, *(int(part.sum()) for part in stretches)]).tolist()
     smoother = np.zeros((len(used), len(used)))
     # Averages of the hold get longer with the time since its start, so their number is even in it.
     at = np.where(starts >= record.hold, np.arange(len(starts)), time)[used]

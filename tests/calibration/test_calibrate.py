@@ -194,7 +194,7 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
     assert finger.subcutaneous.exponent == pytest.approx(found["exponent"].value, abs=1e-4)
     assert finger.skin.exponent == pytest.approx(2.9 * found["exponent"].value, abs=3e-4)
     assert finger.subcutaneous.modulus == pytest.approx(found["modulus"].value)
-    assert finger.skin.modulus == pytest.approx(found["modulus"].value * 10)
+    assert finger.skin.modulus == pytest.approx(found["modulus"].value * found["skin_ratio"].value)
     assert finger.prony == found.prony  # exact: handed on
     assert finger.pad_radius == found.finger["pad_radius"]
     assert (finger.tip_radius, finger.tip_tissue) == (2.5, 6.2)

@@ -72,6 +72,7 @@ class SubjectTarget:
     relaxation_sd: float
 
     unknowns: tuple[Unknown, ...] = ()
+    shows_ratio: bool = False
     advice: str = ""
 
     @property

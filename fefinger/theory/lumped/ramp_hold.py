@@ -1,5 +1,6 @@
 """Ramp-and-hold records: detection of ramp and hold, noise, smoothing, derivative, averages."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -203,7 +204,7 @@ def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
     the time since its start (an exponential then changes by less than 5e-5 within one); before the
     hold equal groups, at most 400 from touch on.
     """
-    starts = group_starts(record, RAMP_POINTS, RAMP_POINTS)
+    starts = group_starts(record, ((0, RAMP_POINTS), (record.touch, RAMP_POINTS)))
     size = np.diff([*starts, len(record.time)]).astype(float)
     time, position, force = (
         np.add.reduceat(values, starts) / size
@@ -212,12 +213,18 @@ def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
     return time, position, force, size
 
 
-def group_starts(record: RampHold, free: int, ramp: int) -> list[int]:
-    """Return first samples of groups: at most `free` before touch, at most `ramp` until the hold.
+def group_starts(record: RampHold, parts: Sequence[tuple[int, int]]) -> list[int]:
+    """Return first samples of groups: by parts, then in the hold.
 
-    In the hold a group lasts 3 % of the time since its start.
+    parts: first sample and largest number of groups, of each part before the hold. In the hold a
+    group lasts 3 % of the time since its start.
     """
-    starts = _even(0, record.touch, free) + _even(record.touch, record.hold, ramp)
+    begins = [*(begin for begin, _ in parts), record.hold]
+    starts = [
+        start
+        for (begin, most), stop in zip(parts, begins[1:], strict=True)
+        for start in _even(begin, stop, most)
+    ]
     since = record.time[record.hold :] - record.time[record.hold]
     at = 0
     while at < len(since):
