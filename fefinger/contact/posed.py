@@ -48,19 +48,20 @@ of 8 mm that is dragged by 3 mm at a coefficient of .8.
 """
 
 WIDER, FULLER = 0.13, 1.8
-"""Change of the power of t by the logarithm of the patch and by the fullness, beside the plate's.
+"""Slopes of the exponent of t, by which it departs from a plate's: with the logarithm of the patch
+over that under the plate, and with the difference in fullness (see `penetration`).
 
 Least squares over 28 presses of a.h. (`validation/evidence/tactile.py`, those without `at`) at .5
 to 1.5 mm: a ball on the proximal pad stiffens less than a plate there, a pin more.
 """
 
 STUCK = 1e-6
-"""Traction short of mu times the pressure, over that, from which a vertex counts as sticking."""
+"""Part of mu times the pressure by which the traction of a vertex that sticks falls short of it."""
 
 
 @njit(cache=True)
 def _history(pad: Pad, terms: Array, elastic: Array, dt: float, past: Array) -> float:
-    """Compute h (3n,) of a step of `dt` s; return g."""
+    """Compute what the past adds to the traction in a step of `dt` s, h (3n,); return g."""
     total = 0.0
     past[:] = 0.0
     for k in range(len(pad.rates)):
@@ -184,7 +185,10 @@ def _finish(
 
 @njit(cache=True)
 def _between(value: float, grid: Array) -> tuple[int, float]:
-    """Return the interval of a grid that holds a value, and its part; at the ends the nearest."""
+    """Return the interval of a grid that holds a value, and where in it from 0 to 1.
+
+    Beyond the grid they are its nearest end.
+    """
     k = 0
     while k < len(grid) - 2 and value > grid[k + 1]:
         k += 1
@@ -218,7 +222,10 @@ def penetration(pad: Pad, direction: Array, m: Work) -> tuple[float, float, floa
 
 @njit(cache=True)
 def stiffening(f: Factors, pad: Pad, direction: Array, m: Work) -> float:
-    """Return t of what penetrates the skin: a power of t under the plate of its angle and depth."""
+    """Return the factor t on the elastic traction, a power of that under a plate.
+
+    The plate has the angle and the depth of what penetrates the skin.
+    """
     deepest, angle, patch, fullness = penetration(pad, direction, m)
     if patch == 0.0:
         return 1.0

@@ -50,8 +50,8 @@ ANGLES, DEPTHS = (0.0, 15.0, 30.0, 45.0), 12
 """Angles in degrees of plates, and depths, at which the factor of finite strain is taken."""
 
 LIGHT = 0.25
-"""Depth in mm up to which log t grows in proportion: forces there hang on where a mesh is touched.
-"""
+"""Depth in mm up to which log t is proportional to depth: the force of so light a touch depends on
+which vertices of the mesh it meets."""
 
 MIDDLE = 2
 """Index in ANGLES of the plate that touches farthest from the border of the pad."""
@@ -150,7 +150,7 @@ class TactileFinger:
             self._factors = self._finite_strain(progress)
 
     def _finite_strain(self, progress: Progress | None) -> Factors:
-        """Return t: relaxed forces of plates at finite strain over those of this pad.
+        """Return the factors t: relaxed forces of plates at finite over those at small strain.
 
         The tables of the plates are those of the mechanics `pressed`, read or solved and kept; they
         are without friction, and so is the pad that is compared.
@@ -303,7 +303,7 @@ class TactileFinger:
     def _softness(self, shapes: Sequence[Shape]) -> Softness | None:
         """Return the flexibility of objects of which some are soft; None if all are rigid.
 
-        That of a body is computed once, in some seconds on the standard mesh.
+        The flexibility of a body is computed once, in some seconds on the standard mesh.
         """
         bodies = [each.soft_body for each in shapes]
         stacks = list(dict.fromkeys(each for each in bodies if each is not None))
@@ -323,7 +323,7 @@ class TactileFinger:
         return Softness(matrix, np.array(number, dtype=np.int64))
 
     def _allocate(self, bodies: int) -> None:
-        """Make room for so many objects; those of before are forgotten, the pad's past is not."""
+        """Make room for `bodies` objects; earlier poses are forgotten, the skin's past is not."""
         self._bodies = bodies
         empty = pad_worlds.worlds(self.worlds, self.pad, bodies, 3 if self.friction else 1)
         self._state = self._state._replace(
@@ -351,7 +351,7 @@ class TactileFinger:
         return TouchState(tuple(each.copy() for each in self._state))
 
     def restore(self, state: TouchState) -> None:
-        """Return to a state of this finger; InputError for that of another."""
+        """Return to a state of this finger; InputError for the state of another."""
         if [a.shape for a in state.arrays[:5]] != [a.shape for a in self._state[:5]]:
             raise InputError(
                 "state: expected one of the same finger, friction and worlds, received arrays of "

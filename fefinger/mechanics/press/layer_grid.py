@@ -34,7 +34,7 @@ SMOOTH = 6.5
 """Wavenumber times width of a Gaussian load beyond which it has no waves."""
 
 FREE = 6
-"""Periods of a grid whose images count as away, in the sum over images."""
+"""Side of a grid without images, in periods of the one whose images are estimated."""
 
 FEWEST = 24
 """Least number of grid points for the strain at a depth."""
@@ -103,7 +103,7 @@ class LayerGrid:
         return Means(*(here - away for here, away in both))
 
     def _seen(self, z: float, periods: int) -> "Means":
-        """Return the mean fields under a Gaussian load of 1 mN, and under its images."""
+        """Return the mean fields under Gaussian loads of 1 mN, so many `periods` apart."""
         side = periods * self.period
         points = 2 * math.ceil(SMOOTH / self.width * side / (2 * np.pi)) + 2
         xi = wavenumbers(points, side / points)
@@ -119,7 +119,7 @@ class LayerGrid:
         return Means(*(float((load * each).sum()) for each in fields))
 
     def images(self, pressure: Array, displacement: Array) -> float:
-        """Return the largest displacement in mm that images leave in a contact.
+        """Return the largest displacement in mm that periodic images add in a contact.
 
         pressure (n, n) kPa and its displacement (n, n) mm: against a grid of twice the period.
         """

@@ -49,7 +49,7 @@ EDGE = 2
 """Grid points at the border of a grid that contact must not reach."""
 
 RISEN = 1.1
-"""Growth of the force after which the images are looked at again."""
+"""Growth of the force after which the error by periodic images is estimated again."""
 
 
 IMAGES = (
@@ -159,7 +159,7 @@ class LayerPress:
         return read
 
     def _images(self, contact: GridStepper) -> float:
-        """Return what periodic images leave, over the largest displacement in the contact."""
+        """Return the displacement by periodic images over the largest one in the contact."""
         shape = (self.grid.points, self.grid.points)
         pressure = contact.pressure.reshape(shape)
         moved = contact.solver.moved[: pressure.size].reshape(shape)
