@@ -42,11 +42,6 @@ ERROR, SECONDS = "ask.rel_error", "ask.seconds"
 MODAL = "modal"
 """The mechanics with inertia."""
 
-USELESS = 1.0
-"""Relative error from which on a larger `ask.rel_error` is not suggested."""
-
-TINY = 0.01
-"""Depth in mm below which a scene that is refused may have been written in m."""
 
 NOT_TIMED = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
@@ -264,7 +259,8 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     _check_meshable(rungs)
     tiny = ""
     deepest = case.motion.deepest
-    if deepest is not None and deepest < TINY:
+    # A scene that is refused may have been written in m.
+    if deepest is not None and deepest < 0.01:
         tiny = f"It presses {deepest:g} mm deep: lengths are in mm, not in m. "
     raise InputError(
         f"ask: no mechanics is known to answer this scene within the limits. {tiny}"
@@ -328,7 +324,8 @@ def _relaxing(rungs: tuple[Rung, ...]) -> str:
             for rung in rungs
             if rung.refusals
             and all(refusal.field == field for refusal in rung.refusals)
-            and rung.error < USELESS
+            # An error of 1 or more is not worth allowing.
+            and rung.error < 1.0
         ]
         if close:
             best = min(close, key=lambda rung: float(getattr(rung, quantity)))

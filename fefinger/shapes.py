@@ -41,8 +41,6 @@ __all__ = [
     "sampled",
 ]
 
-MARGIN = 0.8
-"""Distance in mm that a grid goes beyond the surface: farther than skin feels an object."""
 
 SLOPE = 0.5, 1.5
 """Range of the length of the gradient of a signed distance; between grid points an edge lessens
@@ -300,7 +298,8 @@ def mesh(path: str | PathLike[str], *, pitch: float = 0.25) -> Sampled:
     is open or inside out.
     """
     pitch = number("pitch", pitch, above=0, unit="mm")
-    values, low = sampled_surface(str(path), pitch, MARGIN)
+    # The grid goes 0.8 mm beyond the surface, farther than skin feels an object.
+    values, low = sampled_surface(str(path), pitch, 0.8)
     return sampled(values, low.tolist(), pitch)
 
 

@@ -7,10 +7,6 @@ import numpy as np
 from fefinger.support.arrays import Array, Integers
 
 
-NEAREST = 24
-"""Number of simplices in which `inside_weights` looks for a point."""
-
-
 def barycentric(corners: Array, points: Array) -> Array:
     """Return the weights (..., d + 1) of simplex corners (..., d + 1, d) that give points (..., d).
 
@@ -66,6 +62,6 @@ def inside_weights(corners: Array, points: Array) -> tuple[Integers, Array]:
 
     A point that no simplex holds gets weights in the simplex that comes closest.
     """
-    simplex, weights = locate(corners, points, nearest=NEAREST)
+    simplex, weights = locate(corners, points, nearest=24)
     weights = np.maximum(weights, 0.0)
     return simplex, weights / weights.sum(axis=1, keepdims=True)

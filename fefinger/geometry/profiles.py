@@ -300,13 +300,10 @@ def smooth_step(t: Array) -> Array:
     return np.asarray(t**3 * (10.0 + t * (6.0 * t - 15.0)))
 
 
-STEEPEST_BEND = 10 / 3**0.5
-"""Largest second derivative of S, at t = 1/2 - 1 / sqrt(12)."""
-
-
 def flank_of(edge: float, height: float) -> float:
     """Length in mm of a step S of `height` mm whose sharpest crest has the radius `edge` mm."""
-    return float(np.sqrt(STEEPEST_BEND * edge * height))
+    # The largest second derivative of S, at t = 1/2 - 1 / sqrt(12), is 10 / sqrt(3).
+    return float(np.sqrt(10 / 3**0.5 * edge * height))
 
 
 def sharpest_radius(profile: Profile, across: Array) -> float:

@@ -13,13 +13,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.compiled import njit
 
 
-SHORTEST = 5
-"""Least number of samples of a side: with four, not-a-knot is one cubic."""
-
-EVEN = 1e-9
-"""Relative difference of steps up to which a grid is uniform."""
-
-
 @dataclass(frozen=True, eq=False)
 class Raster:
     """Coefficients (n_u + 2, n_v + 2) mm of a bicubic spline.
@@ -36,8 +29,10 @@ class Raster:
         """Return the raster through heights (n_u, n_v) at grid lines; None if they are uneven."""
         steps = [np.diff(lines) for lines in (u, v)]
         pitch = np.array([step.mean() for step in steps])
-        short = min(len(u), len(v)) < SHORTEST
-        if short or any(np.ptp(s) > EVEN * p for s, p in zip(steps, pitch, strict=True)):
+        # With four samples of a side, not-a-knot is one cubic.
+        short = min(len(u), len(v)) < 5
+        # Steps that differ by less are rounding of one step.
+        if short or any(np.ptp(s) > 1e-9 * p for s, p in zip(steps, pitch, strict=True)):
             return None
         coefficients = _fitted(_fitted(heights).T).T
         return cls(np.ascontiguousarray(coefficients), np.array([u[0], v[0]]), pitch)

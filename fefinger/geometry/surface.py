@@ -40,8 +40,6 @@ SHORTEST = 1e-5
 ROUNDING = 1e-9
 """Difference in mm below which two heights are the same."""
 
-SLOPES = 1e-3
-"""Difference of stated slopes from differences of the heights that is not rounding."""
 
 Function = Callable[[Array, Array], Array]
 
@@ -136,7 +134,8 @@ class Surface(Profile):
             places = np.stack([x, y], axis=-1)
             differences = Surface(self.function).incline(places)
             off = np.abs(self.incline(places) - differences).max(axis=-1)
-            if (worst := float(off.max())) > SLOPES * (1 + float(np.abs(differences).max())):
+            # More is no rounding of differences of the heights.
+            if (worst := float(off.max())) > 1e-3 * (1 + float(np.abs(differences).max())):
                 at = np.unravel_index(int(np.argmax(off)), x.shape)
                 raise InputError(
                     "indenter.gradient: expected the derivatives of the height along x and y, "

@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 name = "layered"
 traits = Traits(meshed=False, finite=False, ridges=True)
 
-PLATE_LEVELS = 8  # of the table of contacts that the small reference press is read from
 
 THINNEST = 0.02
 """Least share of the tissue over the bone that the layer below the skin has, a convention: a film
@@ -313,7 +312,7 @@ def _plate(finger: Finger) -> "ContactTable":
     from fefinger.theory.contact.contact_table import tabulate_to
 
     # It is needed at one depth, at the end of its table, where few contacts are exact.
-    return tabulate_to(stack(finger), finger.pad_radius, depth=REFERENCE_DEPTH, levels=PLATE_LEVELS)
+    return tabulate_to(stack(finger), finger.pad_radius, depth=REFERENCE_DEPTH, levels=8)
 
 
 def causes(finger: Finger, indenter: Indenter) -> list[str]:

@@ -33,8 +33,6 @@ SETTINGS = {
     "fine": MesherSettings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
 }
 
-REFERENCE_RADIUS = 2.5
-"""Radius in mm of fine mesh about the origin, for the reference press that scales strains."""
 
 ROUNDED, BACKWARD = 3.0, 30
 """Distance in mm that a rounded place may lie off the pad, and steps of moving it back."""
@@ -110,7 +108,8 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
     """
     balls = [(PATCH_CENTER, PATCH_RADIUS)]
     if touch is not None:
-        balls = [(np.zeros(3), REFERENCE_RADIUS), (_near(shape, touch), PATCH_RADIUS)]
+        # Fine to 2.5 mm from the origin too, for the reference press that scales strains.
+        balls = [(np.zeros(3), 2.5), (_near(shape, touch), PATCH_RADIUS)]
 
     def size(points: Array) -> Array:
         below = np.maximum(-shape.subcutaneous.level(points), 0.0)

@@ -13,8 +13,6 @@ from fefinger.support.arrays import Array, Flags, Integers
 SPACING = 0.35
 """Largest edge in mm of the refined scan whose vertices define the surface."""
 
-NEIGHBORS = 16
-"""Vertices that a signed distance is averaged over: two rings, to smooth the facets of a scan."""
 
 DENSEST, THINNED, FITTED = 0.15, 0.25, 60
 """Side in mm of the cubes that have one point of the surface each, side of those that have one
@@ -81,7 +79,8 @@ class Cloud:
 
     def _through(self, points: Array) -> tuple[Array, Array]:
         """Compute signed distances (n,) mm and normals (n, 3) of the surface through the points."""
-        distance, index = self.tree.query(points, k=NEIGHBORS)
+        # Averaged over 16 vertices, two rings, to smooth the facets of a scan.
+        distance, index = self.tree.query(points, k=16)
         reach = distance[:, :1] ** 2 + SPACING**2
         weight = np.exp(-(distance**2 - distance[:, :1] ** 2) / reach)
         weight /= weight.sum(axis=1)[:, None]

@@ -26,8 +26,6 @@ FINE = 0.2
 ROOM = 0.2
 """Least thickness in mm of subcutaneous tissue around the bone: thinner would need flat cells."""
 
-PALMAR = -1.0
-"""z in mm of the start of a projection onto the palmar skin, below the 30 degree plate's touch."""
 
 RIDGE, FOREMOST = 400, 12.0
 """Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
@@ -152,7 +150,8 @@ def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
 
 def palm(skin: SmoothSurface, x: Array | float, y: Array | float) -> Array:
     """Points (n, 3) of the palmar skin at places x, y mm, (n,) each or one for all."""
-    below = np.column_stack(np.broadcast_arrays(x, y, PALMAR))
+    # From z = -1 mm on, below the touch of the 30 degree plate.
+    below = np.column_stack(np.broadcast_arrays(x, y, -1.0))
     return skin.project(below, free=np.arange(3) == 2)
 
 

@@ -31,9 +31,6 @@ BONE_SHELL = smooth.ON_SHELLS.index("bone")
 LEAST = 1e-9
 """Size in mm of a section that counts as a point."""
 
-APART = 1.0
-"""Least distance in mm between the stations that a map is fixed at."""
-
 
 @dataclass(frozen=True)
 class Draft:
@@ -196,7 +193,8 @@ def _map(ends: list[Pair], knots: list[Pair]) -> Callable[[Array], Array]:
     chosen = list(ends)
     for knot in knots:
         apart = np.subtract(chosen, knot)
-        if np.abs(apart).min() > APART and (apart[:, 0] * apart[:, 1] > 0.0).all():
+        # Stations that a map is fixed at are 1 mm apart or more.
+        if np.abs(apart).min() > 1.0 and (apart[:, 0] * apart[:, 1] > 0.0).all():
             chosen.append(knot)
     x, moved = np.array(sorted(chosen)).T
     return PchipInterpolator(x, moved, extrapolate=True)

@@ -27,15 +27,10 @@ SHARPENING = (np.radians(34.0), np.radians(48.0))
 ROUNDING = (np.radians(36.0), np.radians(70.0))
 """The same where the recipe has a radius of the tip: a wider turn keeps the pad round longer."""
 
-FLATTEST = 1e-4
-"""Smallest ratio of the squared height and width of a section of the inner skin."""
 
 THICK_SKIN = 0.7
 """Skin over the radius of the tip that has an inner surface in all fingers of the shape of the
 means: up to 0.73 in one 8 mm wide and 6 mm thick, 0.78 in one of 22 and 16 mm."""
-
-BACK_SLOPE = 0.21
-"""Largest slope in radians of the palm behind the pad, toward the crease."""
 
 
 def radii(recipe: Recipe) -> tuple[float, float]:
@@ -119,7 +114,8 @@ def _with_inside(
 def _check_round(under: Shell, recipe: Recipe) -> None:
     """Raise InputError where the skin is thicker than its tip is round: it has no inner surface."""
     x = under.tip - (under.tip - under.cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
-    if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < FLATTEST:
+    # Below this squared ratio of height and width a section of the inner skin is flat.
+    if min(under.palmar_ratio(x).min(), under.dorsal_ratio(x).min()) < 1e-4:
         raise _thick(recipe)
 
 
@@ -180,7 +176,8 @@ def _palmar(recipe: Recipe, along: float) -> tuple[Table, float]:
         )
     length = min(max(1.7 * recipe.width, x[-1] + 5.0), max(25.0, x[-1] + 5.0)) - x[-1]
     arc = np.linspace(-length, 0.0, SAMPLES)
-    fading = min(0.5 * recipe.width, 2.0 * BACK_SLOPE * along)
+    # The palm behind the pad slopes by at most 0.21 radians toward the crease.
+    fading = min(0.5 * recipe.width, 2.0 * 0.21 * along)
     back = cumulative_trapezoid(1.0 - smooth(-arc / fading), arc, initial=0.0)
     rise = cumulative_trapezoid((back - back[-1]) / along, arc, initial=0.0)
     x_all = np.append(arc[:-1], x)

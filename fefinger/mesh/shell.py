@@ -17,9 +17,6 @@ from fefinger.support.arrays import Array, Flags, Integers
 Table = tuple[Array, Array]
 """Profile as x ascending to the tip and half size r(x), which is zero at the tip, mm."""
 
-NODES = 400
-"""Spline nodes per profile; the profiles then agree with their tables to about 1e-6 mm."""
-
 
 @dataclass(frozen=True)
 class Shell:
@@ -49,7 +46,8 @@ class Shell:
         A table that begins distal of the cut is extrapolated; the shell extends behind the cut.
         """
         tip = float(palmar[0][-1])
-        x = tip - (tip - cut) * np.linspace(1.0, 0.0, NODES) ** 2
+        # With 400 nodes the splines agree with their tables to about 1e-6 mm.
+        x = tip - (tip - cut) * np.linspace(1.0, 0.0, 400) ** 2
         wide, low, high = (_square(table, x) for table in (side, palmar, dorsal))
         ratios = [np.append(part[:-1] / wide[:-1], 0.0) for part in (low, high)]
         for ratio in ratios:

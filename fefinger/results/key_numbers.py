@@ -19,9 +19,6 @@ from fefinger.support.text import percent
 REFERENCE = "solid"
 """Mechanics against which errors are stated."""
 
-BETTER = 0.8
-"""Another mechanics is suggested if its error is less than this share of the answer's error."""
-
 
 class KeyNumber(NamedTuple):
     """A number of a result: name, value with unit, relative error, rank and when or where.
@@ -137,7 +134,8 @@ def _far_off(result: ResultRecord) -> list[str]:
     others = [rung for rung in result.plan.rungs if worst in rung.errors]
     best = min(others, key=lambda rung: rung.errors[worst])
     better = "no mechanics states less"
-    if best.errors[worst] < BETTER * chosen.errors[worst]:
+    # A mechanics is suggested where it states clearly less.
+    if best.errors[worst] < 0.8 * chosen.errors[worst]:
         better = f"{best.candidate.on} states {percent(best.errors[worst])}"
         ways = [f"--mechanics {best.mechanics}"] * (best.mechanics != chosen.mechanics)
         if best.resolution not in (None, chosen.resolution, STANDARD):

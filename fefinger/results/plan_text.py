@@ -27,9 +27,6 @@ QUANTITIES = {
 WIDE = 0.3
 """Error above which the range of the true value is shown."""
 
-UNLIMITED = 0.95
-"""Error from which on no upper limit of the true value is shown: it is 20 times the answer."""
-
 
 def true_range(error: float) -> tuple[float, float]:
     """Return the least and the largest true value over the answer, for an error of the true value.
@@ -45,7 +42,8 @@ def range_text(error: float, answer: float, unit: str) -> str:
     if math.isinf(error):
         return "its error has no limit"
     low, high = (f"{float(f'{answer * end:.2g}'):g}" for end in true_range(error))
-    if error >= UNLIMITED:
+    # The upper limit would be 20 times the answer or more.
+    if error >= 0.95:
         return f"true value at least {low} {unit}, upper limit not known"
     return f"true value {low} to {high} {unit}"
 

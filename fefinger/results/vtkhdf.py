@@ -15,10 +15,6 @@ from fefinger.results.records import Fields
 from fefinger.support.arrays import Integers
 
 
-VERSION = (2, 2)  # of VTKHDF; steps in time exist from 2.0 on
-TETRAHEDRON = 10  # type of cell in VTK
-
-
 def write(fields: Fields, path: str | PathLike[str]) -> None:
     """Write `fields` to `path` in single precision, one step per stored time.
 
@@ -42,7 +38,7 @@ def write(fields: Fields, path: str | PathLike[str]) -> None:
         "Points": fields.points.astype(np.float32),
         "Connectivity": fields.cells.astype(np.int64).ravel(),
         "Offsets": np.arange(0, 4 * n_cells + 1, 4),
-        "Types": np.full(n_cells, TETRAHEDRON, dtype=np.uint8),
+        "Types": np.full(n_cells, 10, dtype=np.uint8),  # VTK_TETRA
         **{f"PointData/{name}": each.astype(np.float32) for name, each in stacked.items()},
         "CellData/region": fields.region,
         "Steps/Values": fields.times.astype(np.float64),
@@ -55,7 +51,7 @@ def write(fields: Fields, path: str | PathLike[str]) -> None:
     buffer = BytesIO()  # in memory: see `atomic_write.netcdf`
     with h5py.File(buffer, "w") as file:
         root = file.create_group("VTKHDF", track_order=True)
-        root.attrs["Version"] = VERSION
+        root.attrs["Version"] = (2, 2)  # steps in time exist from 2.0 on
         root.attrs["Type"] = np.bytes_("UnstructuredGrid")
         for name, each in values.items():
             root[name] = each

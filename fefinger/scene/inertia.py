@@ -22,8 +22,6 @@ from fefinger.support.arrays import Array
 DENSITY = 1e-6
 """Density of soft tissue in kg/mm³, that of water."""
 
-AT_REST = 1e-3
-"""Start of a motion over its peak below which it starts from 0, but for noise of a record."""
 
 FAST = 0.22
 """Limit of indenter speed over shear wave speed: 0.22² is an error of 5 %."""
@@ -59,7 +57,8 @@ def warnings(motion: Motion) -> tuple[str, ...]:
 def jump(motion: Motion) -> tuple[str, ...]:
     """Warning if a motion starts with a jump into the finger."""
     start = float(motion.value(np.zeros(1))[0])
-    if start <= AT_REST * motion.peak:
+    # A motion from less starts from 0, but for noise of a record.
+    if start <= 1e-3 * motion.peak:
         return ()
     return (
         f"Warning: the motion starts at {start:.3g} {motion.unit}, which the indenter reaches in a "

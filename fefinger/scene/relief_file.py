@@ -22,8 +22,6 @@ MEANING = {
     "height": "the height in mm of white over black in a PNG, as 0.5",
 }
 COLUMNS = ("x", "y", "height")
-LARGEST = 16
-"""Bytes of the longest number, that of a long double."""
 
 
 def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[Any, Any, Any]:
@@ -116,7 +114,8 @@ def _archive(file: Path) -> tuple[Array, ...]:
 def _numbers(archive: "NpzFile", name: str) -> Array:
     """Read an array of real numbers; zeros of any number are a small file."""
     assert archive.zip is not None  # it is open
-    if archive.zip.getinfo(f"{name}.npy").file_size > LARGEST * MOST:
+    # The longest number is a long double of 16 bytes.
+    if archive.zip.getinfo(f"{name}.npy").file_size > 16 * MOST:
         raise ValueError(f"{name} has more than {MOST} numbers")
     values = archive[name]
     if values.dtype.kind not in "fiu":

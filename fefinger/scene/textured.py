@@ -26,9 +26,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, set_number
 
 
-LEVEL = 1e-9
-"""Height over length below which a relief is a plane."""
-
 TALLEST = 20.0
 """Largest difference in mm of the heights of a relief: no finger bends around more."""
 
@@ -37,9 +34,6 @@ SAMPLES = 4
 
 TILE = 12
 """Spacings along a side of the square of random dots, which repeats."""
-
-THROWS = 400
-"""Places tried for each random dot."""
 
 
 @final
@@ -167,7 +161,8 @@ class Dots(Raised):
         if self.arrangement == "grid":
             return np.zeros((1, 2))
         rng, placed = np.random.default_rng(self.seed), np.empty((0, 2))
-        for place in rng.uniform(0.0, self.tile, (THROWS * TILE**2, 2)):
+        # 400 places are tried for each random dot.
+        for place in rng.uniform(0.0, self.tile, (400 * TILE**2, 2)):
             apart = np.abs(placed - place)
             apart = np.minimum(apart, self.tile - apart)
             if (np.hypot(*apart.T) >= self.base).all():
@@ -283,7 +278,8 @@ class Relief(Indenter):
         plane = np.linalg.lstsq(basis, heights.ravel(), rcond=None)[0]
         rough = heights - (basis @ plane).reshape(heights.shape)
         slopes = np.hypot(*np.gradient(rough, *lines))
-        if float(np.abs(rough).max()) <= LEVEL * float(np.ptp(lines[0])):
+        # Heights of less over the length are rounding of a plane.
+        if float(np.abs(rough).max()) <= 1e-9 * float(np.ptp(lines[0])):
             return float("inf")
         return float(np.pi * rough.std() / np.sqrt(np.mean(slopes**2)))
 

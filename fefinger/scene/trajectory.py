@@ -16,8 +16,6 @@ _STRAIGHT = 1e-9
 _ROUNDING = 16 * float(np.finfo(float).eps)
 """Relative error of times and values that is rounding: a last segment that short is no motion."""
 
-_LEVEL = 1e-12
-"""Distance from the line before, over the largest value, below which a knot is on it."""
 
 _SHORTEST = 1024 * float(np.finfo(float).eps)
 """Length of a segment in motion over the time at its end, below which too few digits of the length
@@ -25,9 +23,6 @@ are left: their rounding changes the slope by a thousandth."""
 
 _FASTEST = 1e100
 """Largest slope and bend, whose squares are still numbers."""
-
-_HALVINGS = 50
-"""Bisections of a quarter of a cycle, after which it is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +80,8 @@ class Wave:
         if low >= self.start + self.rise:
             return float(low)
         high = min(low + 0.25 / self.frequency, end)
-        for _ in range(_HALVINGS):
+        # After 50 bisections of a quarter of a cycle only rounding is left.
+        for _ in range(50):
             middle = (low + high) / 2
             low, high = (middle, high) if self.rate(np.array(middle)) > 0 else (low, middle)
         return float(high)
@@ -287,7 +283,8 @@ def _kinks(t: Array, y: Array, before: Array, after: Array) -> NDArray[np.bool_]
     rounding = _ROUNDING * (t / longer * steeper + np.abs(y) / longer)
     kinks = np.asarray(np.abs(after - before) > _STRAIGHT * steeper + rounding)
     bent = np.flatnonzero(kinks[:-1])
-    ends, tolerance = np.append(bent, len(t) - 1)[1:], _LEVEL * float(np.abs(y).max())
+    # A knot that is closer to the line before it is on that line.
+    ends, tolerance = np.append(bent, len(t) - 1)[1:], 1e-12 * float(np.abs(y).max())
     last, slope = 0, 0.0
     for knot, end in zip(bent.tolist(), ends.tolist(), strict=True):
         kinks[knot] = abs(y[last] + slope * (t[end] - t[last]) - y[end]) > tolerance

@@ -102,14 +102,11 @@ def words(name: str) -> str:
     return f"{label} / {unit}" if unit else label
 
 
-TWICE = 2.0
-"""Largest upper bound of a measure over its value, for large or unlimited errors."""
-
-
 def bounds(row: Row, name: str) -> tuple[float, float] | None:
     """Return bounds of the true value of a measure by its expected error; None if not known."""
     value, share = row.get(name), row.get(ERRORS.get(name, ""))
     if not isinstance(value, int | float) or not isinstance(share, int | float):
         return None
     least, most = true_range(share)
-    return value * least, value * min(most, TWICE)
+    # Large or unlimited errors are drawn up to twice the value.
+    return value * least, value * min(most, 2.0)

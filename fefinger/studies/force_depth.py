@@ -25,9 +25,6 @@ MOVING = 0.5
 
 RESTING = "none: not on the loading, or slower than half the top rate of the motion"
 
-CYCLES = 4
-"""Cycles at the end of a vibration that are fitted, if it has so many."""
-
 
 class NamedTime(NamedTuple):
     """A time of a row: its name, and where it is as a fractional index of the time steps.
@@ -147,7 +144,8 @@ def dynamic_stiffness(motion: Motion, time: Array, depth: Array, force: Array) -
     if wave is None:
         return None
     frequency = wave.last_frequency
-    cycles = min(CYCLES, int((motion.duration - wave.start) * frequency * (1 + 1e-9)))
+    # The last four cycles are fitted, or all where there are fewer.
+    cycles = min(4, int((motion.duration - wave.start) * frequency * (1 + 1e-9)))
     last = time >= time[-1] - cycles / frequency * (1 + 1e-9)
     if not cycles or not (force[last] > 0).all():
         return None

@@ -31,8 +31,6 @@ operator per finger, and a patch per indenter and set of end organs."""
 WHAT, CHECKSUMS = "what.txt", "checksums.txt"
 """Files of every entry: its description, and the checksums of its other files."""
 
-CHUNK = 2**20
-"""Bytes that are read at a time for a checksum."""
 
 DAY = 24 * 3600.0  # s
 
@@ -132,7 +130,7 @@ def _crc32(file: Path, size: int, modified: int) -> int:
     """CRC-32 of a file, computed once in a process: 3 to 4 GB/s."""
     total = 0
     with file.open("rb") as opened:
-        while chunk := opened.read(CHUNK):
+        while chunk := opened.read(2**20):
             total = zlib.crc32(chunk, total)
     return total
 

@@ -32,11 +32,6 @@ WIDEST = 64
 MOST = 4_000_000
 """Largest number of samples or rows of a file: an hour at 1 kHz."""
 
-WIDEST_SAMPLE = 16
-"""Largest number of bytes of a sample in a sound file, of two channels of 8."""
-
-LINE = 10_000
-"""Characters of a first line that are read."""
 
 BOUNDS = (
     f"expected values inside at most {DEEPEST} tables or lists, and whole numbers of at most "
@@ -93,7 +88,7 @@ def first_line(path: str | PathLike[str]) -> str:
     if unreadable(path):
         return ""
     with open(path, encoding="utf-8", errors="replace") as file:
-        return file.readline(LINE).strip()
+        return file.readline(10_000).strip()
 
 
 def parse_toml(field: str, text: str) -> dict[str, Any]:
@@ -152,7 +147,8 @@ def read_wave(name: str, file: Path) -> "tuple[int, Array]":
     from scipy.io import wavfile
 
     check_input(name, file, "a WAV file")
-    size, largest = file.stat().st_size, MOST * WIDEST_SAMPLE
+    # A sample has at most 16 bytes, of two channels of 8.
+    size, largest = file.stat().st_size, MOST * 16
     if size > largest:
         raise InputError(
             f"{name}: expected a WAV file of at most {largest / 1e6:g} MB, received {str(file)!r} "

@@ -6,10 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 
-BRIEF = 60
-"""Longest value in the text of a record, in characters."""
-
-
 def table(rows: Sequence[Sequence[str]], heading: Sequence[str] = ()) -> str:
     """Format rows as aligned columns."""
     every = [heading, *rows] if heading else rows
@@ -54,7 +50,7 @@ def outline(record: object) -> str:
             parts.append(f"{name} {value.shape}")
         elif value is not None:
             text = f"{value:.6g}" if isinstance(value, float) else repr(value)
-            short = len(text) <= BRIEF and "\n" not in text
+            short = len(text) <= 60 and "\n" not in text
             parts.append(f"{name}={text}" if short else f"{name}: {type(value).__name__}")
     return f"{type(record).__name__}({', '.join(parts)})"
 

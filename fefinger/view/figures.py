@@ -55,10 +55,8 @@ STYLE: Any = {
     "svg.fonttype": "none",
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
-RASTER = 200  # dots per inch of the parts of an SVG that are pixels, sharp on a phone
 POINTS = 72  # units of an SVG per inch, for its layout
 SHORT = 0.25  # s: shorter spans are labeled in ms
-SPANNED = 4.0  # largest over smallest value from which on an axis is logarithmic
 
 
 class Curve(NamedTuple):
@@ -113,7 +111,8 @@ def svg(drawn: "Figure") -> str:
         if (layout := drawn.get_layout_engine()) is not None:
             layout.execute(drawn)
         drawn.set_layout_engine("none")
-        drawn.set_dpi(RASTER)
+        # The parts of an SVG that are pixels stay sharp on a phone.
+        drawn.set_dpi(200)
         canvas.print_svg(buffer, metadata={"Date": None})
     return rounded(buffer.getvalue())
 
@@ -395,7 +394,8 @@ def _logarithmic(axis: "Axis") -> None:
 
     low, high = axis.get_data_interval()
     name = "x" if axis is axis.axes.xaxis else "y"
-    if not 0 < SPANNED * low < high:
+    # An axis is logarithmic where its values span a factor of four.
+    if not 0 < 4.0 * low < high:
         axis.axes.set(**{f"{name}lim": (0, 1.1 * high)})
         return
     axis.axes.set(**{f"{name}scale": "log"})

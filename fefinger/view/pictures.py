@@ -35,7 +35,6 @@ BAR: dict[str, Any] = {
     "unconstrained_font_size": True,
 }
 PLACES = (0.7, 0.43, 0.16)  # of the lower ends of bars: at most a field, the pressure and the rate
-LONG = 23  # letters of the title of a color bar that fit into a line
 PANEL = (880, 780)  # pixels of a view in space, beside which the color bars are
 GAP, WHITE = 32, 250  # pixels between finger and color bars; least byte of what counts as white
 FPS, REST = 8, 8  # pictures per second of a film, and how many its last one is shown for
@@ -82,7 +81,8 @@ def _add_bars(plotter: "Plotter", actors: Sequence[FingerActor]) -> None:
     keys = {label: key for actor in reversed(actors) for label, key in actor.keys.items()}
     plotter.subplot(0, len(actors))
     for place, label in zip(PLACES, actors[0].keys | keys, strict=False):
-        title = (label if len(label) <= LONG else label.replace(" / ", "\n/ ")) + "\n"
+        # 23 letters fit into the line above a color bar.
+        title = (label if len(label) <= 23 else label.replace(" / ", "\n/ ")) + "\n"
         mapper, needs = keys[label]
         bar = plotter.add_scalar_bar(
             title=title, mapper=mapper, position_y=place, **BAR, render=False

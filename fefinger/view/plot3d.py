@@ -22,9 +22,7 @@ PARTS = ("skin", "subcutaneous tissue", "bone", "pressure", "end organs", "rates
 
 BEHIND, BELOW = (0.5, -1.0, -0.25), (0.75, -0.6, -0.75)  # the cut and the pad are seen from there
 CLEAR = 0.05  # mm between finger and indenter, else surfaces that touch flicker
-WIDE = 1.35  # width over height of a picture that the finger fills
 RADIUS, CROWDED = 0.11, 0.1  # mm of marks of end organs, which are 0.2 mm apart in depth
-LABELS = (2.0, 1.0, 1.1)  # mm: column of labels distal of the marks, above the finger, line to line
 WORDS = (0.015, 0.985)  # upper left corner of the text above a finger, as parts of its view
 LETTER = 9.0  # pixels of a letter of this text, on average
 LENGTH = 5.0  # mm of the scale line
@@ -81,7 +79,8 @@ class FingerActor:
         place, closer = (BELOW, 1.2) if self.shown.whole else (BEHIND, 1.35)
         self.plotter.view_vector(place, viewup=(0, 0, 1))  # type: ignore[arg-type]  # pyvista's decorator loses self
         width, height = self._size()
-        self.plotter.camera.zoom(closer * min(1.0, width / height / WIDE))
+        # The finger fills a picture 1.35 times as wide as high.
+        self.plotter.camera.zoom(closer * min(1.0, width / height / 1.35))
 
     def at(self, time: float) -> None:
         """Show the stored frame next to a time in s."""
@@ -269,7 +268,8 @@ class FingerActor:
         import pyvista as pv
 
         named = [i for i, label in enumerate(labels) if label]
-        aside, above, line = LABELS  # a place where the indenter never is
+        # In mm: distal of the marks, above the finger, and from line to line,
+        aside, above, line = 2.0, 1.0, 1.1  # where the indenter never is
         distal = marks.points[:, 0].max() + aside
         level = self.shown.fields.points[:, 2].max() + above + line * np.arange(len(named))[::-1]
         column = np.column_stack([np.full(len(named), distal), np.zeros(len(named)), level])

@@ -61,7 +61,6 @@ RATES: Final = "plasma"
 STEPS = (1.0, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0, 4.8, 5.6, 6.4, 7.2, 8.0, 10.0)
 """Ends of color bars, of two digits, as are their quarters."""
 SHADES = 256  # of a color bar
-HIGHEST = 99.5  # percent of the values that the colors cover: higher ones sit at sharp edges
 
 
 class Span(NamedTuple):
@@ -182,7 +181,8 @@ def span(shown: Iterable[Array], field: str, limits: tuple[float, float] | None 
             continue
         part = np.abs(each) if signed(field) else each
         lowest, highest = min(lowest, float(each.min())), max(highest, float(each.max()))
-        size = part.max() if field == "pressure" else np.percentile(part, HIGHEST)
+        # The highest half percent sits at sharp edges.
+        size = part.max() if field == "pressure" else np.percentile(part, 99.5)
         top = max(top, float(size))
     top = round_up(top)
     low, high = limits or (-top if signed(field) else 0.0, top)

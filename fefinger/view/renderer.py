@@ -24,7 +24,6 @@ window.SetSize(8, 8)
 window.AddRenderer(vtkRenderer())
 window.Render()
 """
-PATIENCE = 60  # s that the probe may take
 
 LEAST_MEMORY = 2000
 """MB of address space below which VTK or the renderer of Mesa may end the process."""
@@ -41,7 +40,7 @@ def renderer_lacking() -> str:
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with suppress(OSError, subprocess.TimeoutExpired):
         with processes.running(processes.command("-c", PROBE), **quiet) as probe:
-            if probe.wait(PATIENCE) == 0:
+            if probe.wait(timeout=60) == 0:
                 return ""
     return (
         "No renderer for three-dimensional pictures was found; on Debian or Ubuntu install the "

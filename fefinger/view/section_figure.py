@@ -21,12 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-REACH = 30.0  # mm of the indenter on both sides of the finger
 MARGIN = 1.2  # mm about the section
 CLOSE = 3.5  # mm: half the width of the close view
 LEADER = {"arrowstyle": "-", "color": figures.INK, "linewidth": 0.8, "relpos": (0.0, 0.5),
           "shrinkA": 0.0}  # fmt: skip
-HALVINGS = 2  # of the edges of triangles, inside which matplotlib mixes colors, not values
 
 
 def draw(
@@ -117,7 +115,8 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
         outlines=cut.outlines(),
         span=quantities.span([values[np.unique(cut.triangles[soft])]], field),
         # The indenter may be seen far from its foremost point.
-        indenter=pose.outline(REACH + float(np.linalg.norm(pose.origin))),
+        # 30 mm of the indenter on both sides of the finger.
+        indenter=pose.outline(30.0 + float(np.linalg.norm(pose.origin))),
         organs=_organs(result, rest, moved),
         title=f"medial section, t = {time:.4g} s, depth {depth:.3g} mm",
     )
@@ -146,7 +145,8 @@ def _draw_section(axis: "Axes", cut: Medial) -> None:
 
     axis.add_collection(PolyCollection(list(cut.places[cut.bone]), color=figures.BONE))
     corners, triangles = np.column_stack([cut.places, cut.values]), cut.triangles
-    for _ in range(HALVINGS):
+    # Inside triangles matplotlib mixes colors, not values: their edges are halved twice.
+    for _ in range(2):
         corners, triangles = _halved(corners, triangles)
     x, y, values = corners.T
     axis.tripcolor(

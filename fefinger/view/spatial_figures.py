@@ -32,16 +32,13 @@ if TYPE_CHECKING:
 
     from fefinger.neural.trains import SpikeTrains
 
-BINS = 60  # of the histogram of spikes over the whole time
 
 LEAST = 0.02
 """Share of the highest pressure from which on the pad is drawn as pressed."""
 
 BEYOND = 1.0  # mm of the object shown beyond the spikes
-PIXEL = 0.1  # mm of the object
 PLACE_BIN = 0.5  # mm of a rate along the object
 LINES = 5  # scan lines with curves of their own
-STANDSTILL = 1e-3  # part of the largest speed below which the object stands
 
 
 def _trains(result: ResultRecord) -> "SpikeTrains":
@@ -53,7 +50,7 @@ def raster(result: ResultRecord) -> "Figure":
     """Draw the spikes of a population by type, units nearest to first touch on top, and rates."""
     trains = _trains(result)
     kinds, end = of_each(trains.types), trains.t_stop
-    edges = np.linspace(trains.t_start, end, BINS + 1)
+    edges = np.linspace(trains.t_start, end, 61)  # 60 bins of the histogram
     with style():
         drawn = figure(WIDE, 1.2 + 1.3 * len(kinds) + 1.6)
         heights = [max(0.8, len(which) / len(trains) * len(kinds)) for which in kinds.values()]
@@ -174,7 +171,8 @@ def events(result: ResultRecord) -> "Figure":
     moving = result.time >= trains.t_start
     low = start.min(axis=0) + path[moving].min(axis=0) - BEYOND
     high = start.max(axis=0) + path[moving].max(axis=0) + BEYOND
-    x, y = (np.arange(low[k], high[k], PIXEL) for k in (0, 1))
+    # Pixels of 0.1 mm of the object.
+    x, y = (np.arange(low[k], high[k], 0.1) for k in (0, 1))
     heights = result.scene.indenter.profile.rise(np.stack(np.meshgrid(x, y), axis=-1))
     heights = np.where(np.isfinite(heights), heights, np.nan)
     ratio = float((high[1] - low[1]) / (high[0] - low[0]))
@@ -243,7 +241,8 @@ def rates(result: ResultRecord, units: Integers) -> tuple[Array, Array]:
     middle = (result.time[1:] + result.time[:-1]) / 2
     speed = np.hypot(*np.diff(path, axis=0).T) / np.where(steps > 0, steps, np.inf)
     counted = middle >= _trains(result).t_start
-    counted &= speed > STANDSTILL * speed.max(initial=0.0)
+    # The object stands at less than a thousandth of its largest speed.
+    counted &= speed > 1e-3 * speed.max(initial=0.0)
     along = (path[1:] + path[:-1]) @ heading / 2
     every = ((start[units] @ heading)[:, None] + along[counted]).ravel()
     if every.size == 0:
