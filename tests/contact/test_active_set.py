@@ -12,7 +12,7 @@ from fefinger.contact.march import Prescribed, march
 from fefinger.contact.prony_history import Relaxation
 from fefinger.contact.stepper import Stepper, Target
 from fefinger.support.checks import ConvergenceError
-from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE
+from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 
 
 WEIGHTS, RATES = np.array([0.3, 0.4, 0.2, 0.1]), np.array([200.0, 10.0, 0.6])
@@ -190,3 +190,16 @@ def test_a_search_stays_in_its_bracket_and_finds_a_root_of_a_stiffening_force() 
         for k, at in enumerate(tried):
             above = [each for each in tried[:k] if each**3 > 2]
             assert all(at < each for each in above)
+
+
+@pytest.mark.parametrize(("force", "wrong"), [(2.0, 2e-3), (2e-3, 2e-3), (0.0005, 1.0)])
+def test_a_force_is_met_to_a_part_of_itself_and_a_tiny_one_to_a_part_of_the_largest(force, wrong):
+    """On d^3, after a peak of 1 N, from a depth whose force is off by a tenth of that; in mN."""
+    peak, match = 1e3, 1e-3
+    off = 1.1 * match * max(force, SMALL_FORCE * peak, LEAST_FORCE)
+    guess = (force + off) ** (1 / 3)
+    depth, count = depth_of_force(
+        lambda d: (d**3, 3 * d**2), 0.0, force, guess=guess, peak=peak, match=match
+    )
+    assert count > 1
+    assert abs(depth**3 - force) <= wrong * force

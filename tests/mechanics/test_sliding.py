@@ -122,6 +122,17 @@ def test_skin_that_slips_has_the_kinetic_coefficient():
     assert not any("kinetic" in note for note in one.notes)
 
 
+def test_friction_loses_the_work_of_traction_on_slip_in_every_step():
+    lateral, pad = (answer := respond(ff.Flat(30, friction=0.5), SHORT)).lateral, answer.pad
+    slid = np.diff(lateral.slip, axis=0)
+    still = (answer.pressure[1:] > 0) & (answer.pressure[:-1] > 0)  # slip counts from first contact
+    lost = -np.einsum("tpk,tpk,tp,p->t", lateral.traction[1:], slid, still, pad.areas)
+    steady = ((answer.pressure[1:] > 0) == (answer.pressure[:-1] > 0)).all(axis=1)
+    work = np.diff(lateral.work)
+    assert steady.sum() > 10
+    assert work[steady] == pytest.approx(lost[steady], rel=1e-6, abs=1e-6 * work.max())
+
+
 @pytest.mark.parametrize("kinetic", [-0.1, 0.6, float("nan")])
 def test_a_kinetic_coefficient_lies_between_none_and_the_static_one(kinetic):
     with pytest.raises(InputError, match=r"indenter\.friction_kinetic: expected"):
