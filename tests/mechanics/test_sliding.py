@@ -123,13 +123,14 @@ def test_skin_that_slips_has_the_kinetic_coefficient():
 
 
 def test_friction_loses_the_work_of_traction_on_slip_in_every_step():
-    lateral, pad = (answer := respond(ff.Flat(30, friction=0.5), SHORT)).lateral, answer.pad
+    answer = respond(ff.Flat(30, friction=0.5), replace(SHORT, distance=1.5))
+    lateral, pad = answer.lateral, answer.pad
     slid = np.diff(lateral.slip, axis=0)
     still = (answer.pressure[1:] > 0) & (answer.pressure[:-1] > 0)  # slip counts from first contact
     lost = -np.einsum("tpk,tpk,tp,p->t", lateral.traction[1:], slid, still, pad.areas)
     steady = ((answer.pressure[1:] > 0) == (answer.pressure[:-1] > 0)).all(axis=1)
     work = np.diff(lateral.work)
-    assert steady.sum() > 10
+    assert work[steady].sum() > 0.5 * lateral.work[-1]
     assert work[steady] == pytest.approx(lost[steady], rel=1e-6, abs=1e-6 * work.max())
 
 
