@@ -127,7 +127,7 @@ def test_friction_loses_the_work_of_traction_on_slip_in_every_step():
     lateral, pad = answer.lateral, answer.pad
     slid = np.diff(lateral.slip, axis=0)
     still = (answer.pressure[1:] > 0) & (answer.pressure[:-1] > 0)  # slip counts from first contact
-    lost = -np.einsum("tpk,tpk,tp,p->t", lateral.traction[1:], slid, still, pad.areas)
+    lost = -1e-3 * np.einsum("tpk,tpk,tp,p->t", lateral.traction[1:], slid, still, pad.areas)  # mJ
     steady = ((answer.pressure[1:] > 0) == (answer.pressure[:-1] > 0)).all(axis=1)
     work = np.diff(lateral.work)
     assert work[steady].sum() > 0.5 * lateral.work[-1]
