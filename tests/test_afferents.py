@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.problems import published
+from refusals import refused
 
 import fefinger as ff
 from fefinger import afferents
@@ -188,7 +189,7 @@ def test_delays_are_distance_over_velocity():
     slow, fast = afferents.delays(("FAII", "FAI"), 800.0)
     assert slow == pytest.approx(0.8 / 46.9)
     assert fast == pytest.approx(0.8 / 55.3)
-    with pytest.raises(InputError, match="distance: expected"):
+    with refused("distance"):
         afferents.delays(("FAI",), -1.0)
 
 
@@ -197,7 +198,7 @@ def test_a_response_without_these_end_organs_is_refused(synthetic):
         fire(asked(LINE), synthetic.response)
     with pytest.raises(InputError, match="gives no strain"):
         fire(asked(LINE), replace(synthetic.response, strain=None))
-    with pytest.raises(InputError, match=r"ask\.spikes: 'linear' gives no strain"):
+    with refused("ask.spikes"):
         fire(ff.Ask(spikes=("SAI",)), replace(synthetic.response, reference=None))
 
 

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import pytest
 from fefinger.validation.problems import published
+from refusals import refused
 
 import fefinger as ff
 from fefinger import mechanics, plan
@@ -294,7 +295,7 @@ def test_a_scene_may_name_its_mechanics_and_a_call_overrides_it():
     assert plan.choose(own, "solid").mechanics == "solid"
     with pytest.raises(InputError, match=r"ask.mechanics: .*Did you mean 'linear'\?"):
         plan.choose(scene(mechanics="liner"))
-    with pytest.raises(InputError, match=r"ask.mechanics: expected a text, received 1"):
+    with refused("ask.mechanics"):
         scene(mechanics=1)
 
 

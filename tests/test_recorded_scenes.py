@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.afferents import fire
@@ -103,7 +104,7 @@ def test_trials_without_noise_are_noted_and_without_strain_refused(pressed):
     bare = replace(scene, ask=replace(scene.ask, strain=False))
     with pytest.raises(InputError, match=r"ask\.strain: expected true for further trials"):
         ff.run(bare, mechanics="hertz").fire(trial=1)
-    with pytest.raises(InputError, match=r"ask\.trial: expected a whole number"):
+    with refused("ask.trial"):
         replace(scene.ask, trial=-1)
     assert "trial" not in scene.to_toml()
     other = replace(scene, ask=replace(scene.ask, trial=2))

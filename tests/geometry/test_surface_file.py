@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.geometry.surface_file import crossings, read_surface
@@ -347,9 +348,9 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"expected finger\.surface beside it"):
         ff.Finger(14, 10, bone_surface=str(path), tissue="maeno1998")
     both = {"surface": str(path), "bone_surface": str(path), "tip_tissue": 4.0}
-    with pytest.raises(InputError, match=r"tip_tissue: expected none beside finger\.bone_sur"):
+    with refused("finger.tip_tissue"):
         ff.Finger(14, 10, tissue="maeno1998", **both)
-    with pytest.raises(InputError, match=r"tip_radius: expected none beside finger\.surface"):
+    with refused("finger.tip_radius"):
         ff.Finger(14, 10, tissue="maeno1998", surface=str(path), tip_radius=2.0)
     scan = ff.Finger(14, 10, tissue="calibrated_ah", surface=str(path))
     assert (scan.tip_tissue, scan.tip_radius) == (6.2, None)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.contact import active_set
@@ -98,9 +99,9 @@ def test_in_a_long_rest_the_tissue_forgets_the_way(rolling: ff.Loop) -> None:
 
 
 def test_angles_and_depths_that_were_not_given_get_a_sentence(rolling: ff.Loop) -> None:
-    with pytest.raises(InputError, match="angle: expected"):
+    with refused("angle"):
         rolling.step(1e-3, depth=0.5, angle=50.0)
-    with pytest.raises(InputError, match="depth: expected a finite"):
+    with refused("depth"):
         rolling.step(1e-3, depth=np.nan, angle=20.0)
     with pytest.raises(InputError, match="contact at their rim"):
         rolling.step(1e-3, depth=3.0, angle=20.0)

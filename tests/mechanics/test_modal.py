@@ -11,6 +11,7 @@ import pytest
 from damage import flip
 from fefinger.validation.waves.measure import pressed_force
 from fefinger.validation.waves.preload import Preloaded
+from refusals import refused
 
 import fefinger as ff
 from fefinger.fem.modes import Modes
@@ -358,7 +359,7 @@ def test_a_pin_has_its_harmonic_answer_of_a_loop_and_of_a_sweep() -> None:
 
 
 def test_a_sweep_stays_in_contact_by_its_fields() -> None:
-    with pytest.raises(InputError, match=r"motion\.amplitude: expected less than the preload"):
+    with refused("motion.amplitude"):
         ff.FrequencySweep(0.3, amplitude=0.3, start=20, stop=200)
 
 
@@ -507,7 +508,7 @@ def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
     (tmp_path / "no.wav").write_bytes(b"hello")
     with pytest.raises(InputError, match="expected a WAV file"):
         ff.Sampled.from_file(tmp_path / "no.wav", amplitude=0.1, preload=1.0)
-    with pytest.raises(InputError, match=r"motion\.amplitude: missing"):
+    with refused("motion.amplitude"):
         ff.Sampled.from_file(tmp_path / "hum.wav", preload=1.0)
     (tmp_path / "silent.wav").write_bytes(head + bytes(len(data)))
     with pytest.raises(InputError, match="which is silent"):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.mechanics.tactile_finger import under
@@ -120,10 +121,10 @@ def test_samples_and_friction_are_refused_and_change_nothing() -> None:
         lambda p: np.linalg.norm(p, axis=1) - 2, [-3] * 3, [3] * 3, pitch=0.5
     )
     for shape in (samples, SOFT, "ball"):
-        with pytest.raises(InputError, match="shape: expected"):
+        with refused("shape"):
             ff.shapes.Soft(shape, 50)
     rough = ff.TactileFinger(FINGER, friction=0.5, finite_strain=False)
     before = press(rough, ff.shapes.Plane(), 0.5).wrench
-    with pytest.raises(InputError, match="objects: expected rigid ones"):
+    with refused("objects"):
         press(rough, SOFT, 0.7)
     assert press(rough, ff.shapes.Plane(), 0.5, 1e-9).wrench == pytest.approx(before, rel=1e-6)
