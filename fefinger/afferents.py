@@ -40,7 +40,7 @@ SILENT = "ask.trial: the units have no noise, so that every trial is the same."
 def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
     """Simulate the spikes of the population that `ask` describes, or of one unit of each type.
 
-    Spikes before `since` s do not count. Further options are those of `fire` of the family that
+    Spikes before `since` s do not count. Further options as of `fire` of the family that
     `ask.afferents` names.
 
     Raises InputError for a response without strain, or without the end organs of the population.

@@ -157,7 +157,7 @@ def _local(at: Array, weights: Array, points: int, degree: int) -> Array:
 
 
 def _is_noise(off: Array) -> bool:
-    """Whether distances (n,) from a path, over their noise, are those of noise alone."""
+    """Whether distances (n,) from a path, over their noise, are noise alone."""
     for width in NEIGHBORS:
         if width <= len(off):
             sums = np.convolve(off, np.ones(width), "valid") / np.sqrt(width)

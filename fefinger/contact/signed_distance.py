@@ -82,7 +82,7 @@ def _ellipsoid(x: float, y: float, z: float, a: float, b: float, c: float) -> tu
 
 @njit(cache=True)
 def _sampled(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ...]:
-    """Distance from a grid, trilinear; beyond the grid that of its border and the way to it."""
+    """Distance from a grid, trilinear; beyond it the one at its border plus the way there."""
     pitch, (nx, ny, nz) = s.pitch[b], (s.counts[b, 0], s.counts[b, 1], s.counts[b, 2])
     fx, fy, fz = (x - s.low[b, 0]) / pitch, (y - s.low[b, 1]) / pitch, (z - s.low[b, 2]) / pitch
     cx, cy, cz = (

@@ -78,7 +78,7 @@ class ElasticSurface:
         return np.asarray(self.vertices @ pressure)
 
     def softened(self, solver: Complementarity, near: Flags, gain: float) -> Complementarity:
-        """Return a solver with its flexibility besides that of the body."""
+        """Return a solver with its flexibility beside the body's."""
         own = self.flexibility[np.ix_(near, near)] / gain
         both = Complementarity(
             solver.flexibility + own, any_sign=solver.any_sign, symmetric=solver.symmetric

@@ -63,7 +63,7 @@ class StepSolver(Protocol):
     """Solver of a step: its solution, and the arrays that a failure leaves changed.
 
     x (k,): begins with the pressures; place: which are in contact, else -1; counts: the second one
-    is that of the solutions.
+    is the number of solutions.
     """
 
     @property

@@ -165,7 +165,7 @@ def movie(
 ) -> None:
     """Draw a film of all stored times, one picture each, to the GIF or MP4 file `path`.
 
-    Arguments are those of `screenshot`. Every picture shows its time, as times are not evenly
+    Arguments as of `screenshot`. Every picture shows its time, as times are not evenly
     spaced.
     """
     film.check(path, "--movie")

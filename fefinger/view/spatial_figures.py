@@ -213,7 +213,7 @@ def scan_lines(result: ResultRecord) -> "Figure":
 
 
 def lines(result: ResultRecord, units: Integers) -> dict[float, Integers]:
-    """Return those of the units on up to LINES scan lines, by their place across the path in mm."""
+    """Return the units on up to LINES scan lines, by their place across the path in mm."""
     start, path = over_object(result)
     x, y = _heading(path)
     across = np.round(start[units] @ np.array([-y, x]), 3) + 0.0  # no -0.0

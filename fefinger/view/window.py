@@ -124,7 +124,7 @@ def show(
 ) -> object:
     """Open a window, or a view inside a notebook, on one result or several side by side.
 
-    Arguments are those of `screenshot`. Returns what a notebook displays. Raises InputError if
+    Arguments as of `screenshot`. Returns what a notebook displays. Raises InputError if
     there is no renderer or no display, a result has no fields, or the time is after its end.
     """
     shown = frames.requested(results, field, time)

@@ -160,9 +160,9 @@ def solid_seconds(case: Situation) -> float:
 
 
 def _following(case: Situation) -> float:
-    """CPU seconds of finite strain, without those of the mesh.
+    """CPU seconds of finite strain, the making of the mesh left out.
 
-    The logarithm of those of a step grows with the relative depth, and under edges.
+    The logarithm of the seconds of a step grows with the relative depth, and under edges.
     """
     grows, finger = coefficients(), case.finger
     relaxing, friction = tissue_relaxations(finger), case.indenter.kinetic

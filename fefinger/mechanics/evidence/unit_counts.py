@@ -44,7 +44,7 @@ def organs(ask: Ask) -> float:
 
 
 def blocks(ask: Ask) -> float:
-    """Return the number of blocks of units that advance together, those of finer steps as more."""
+    """Return the number of blocks of units that advance together; finer steps count more."""
     by_step: dict[float, float] = {}
     for kind, count in units(ask).items():
         finer = FINER.get(kind, 1.0)

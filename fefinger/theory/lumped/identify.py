@@ -231,7 +231,7 @@ def _shown(prony: Prony, record: RampHold) -> bool:
 
 
 def _spaced(terms: int, seconds: float) -> Prony:
-    """Choose an initial G: equal weights, rates at equal ratios down to those of the hold.
+    """Choose an initial G: equal weights, rates at equal ratios down to the rate of the hold.
 
     The ramp contains terms that have decayed by the hold, so the fastest rate is beyond the hold.
     """
