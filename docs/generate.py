@@ -373,6 +373,7 @@ def columns() -> Iterator[str]:
 
 
 BRINGS = {
+    "live": "a finger to press in the browser (`fefinger live`)",
     "film": "`fefinger view --movie press.mp4`",
     "distributed": "studies on a Dask cluster (`fefinger study --scheduler`)",
     "neo": "spike trains as Neo segments (`result.spikes.to_neo()`)",

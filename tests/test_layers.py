@@ -39,6 +39,7 @@ ROOMS = {
     "fefinger.result": 8,
     "fefinger.pipeline": 9,
     "fefinger.studies": 10,
+    "fefinger.live": 10,
     "fefinger.validation": 11,
     "fefinger.commands": 12,
     "fefinger.__main__": 13,

@@ -91,9 +91,9 @@ def write(
         "field": field,
         "time": frames.peak_time(shown[0]) if time is None else time,
         "scenes": [_scene(drawn, blob) for drawn in drawings],
-        "fields": {name: _bar(spans[name], name) for name in quantities.FIELDS},
-        "pressure": _bar(spans[PRESSED], "pressure"),
-        "maps": {_map(span): _colors(span) for span in [*spans.values(), RATED]},
+        "fields": {name: bar(spans[name], name) for name in quantities.FIELDS},
+        "pressure": bar(spans[PRESSED], "pressure"),
+        "maps": {color_map(span): colors_of(span) for span in [*spans.values(), RATED]},
         "rate": quantities.round_up(max(map(highest_rate, shown)) or 1.0),
         "rates": quantities.RATES,
         "few": FEW,
@@ -102,7 +102,7 @@ def write(
         "viewer.html",
         title=", ".join(result.scene.name for result in shown),
         fields=[(name, quantities.label(name), text) for name, text in quantities.ABOUT.items()],
-        script=page.source("viewer.js"),
+        script=page.source("drawing.js") + page.source("viewer.js"),
         data=page.raw(json.dumps(data).replace("<", "\\u003c")),
         blob=blob.text(),
     )
@@ -110,17 +110,19 @@ def write(
         new.write_text(html, encoding="utf-8")
 
 
-def _bar(span: Span, name: str) -> Json:
-    return span._asdict() | {"colors": _map(span), "unit": quantities.unit(name)}
+def bar(span: Span, name: str) -> Json:
+    """Return the color bar of a field."""
+    return span._asdict() | {"colors": color_map(span), "unit": quantities.unit(name)}
 
 
-def _map(span: Span) -> str:
+def color_map(span: Span) -> str:
     """Return the key of a color table: the name of the color map with its part in use."""
     low, high = span.part
     return span.colors if (low, high) == (0.0, 1.0) else f"{span.colors} {low:.6g} to {high:.6g}"
 
 
-def _colors(span: Span) -> list[int]:
+def colors_of(span: Span) -> list[int]:
+    """Return the colors (3 n,) of a table from 0 to 255, red, green and blue by turns."""
     table = span.map()(np.arange(quantities.SHADES))[:, :3]
     return [int(value) for value in np.round(255 * table).astype(int).ravel()]
 
@@ -128,9 +130,6 @@ def _colors(span: Span) -> list[int]:
 def _scene(drawn: Drawing, blob: Blob) -> Json:
     result, fields, every, lines = drawn.result, drawn.fields, drawn.surfaces, drawn.lines
     assert lines is not None
-    starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
-    triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
-    counts = np.cumsum([0, *(len(each) for each in triangles)])
     moved = [fields.points + shift for shift in fields.displacement]
     depth, force = np.interp(fields.times, result.time, result.depth), result.force
     return {
@@ -139,24 +138,35 @@ def _scene(drawn: Drawing, blob: Blob) -> Json:
         "times": fields.times.tolist(),
         "depth": depth.tolist(),
         "force": None if force is None else np.interp(fields.times, result.time, force).tolist(),
+        **shape(every, lines, blob),
+        "points": blob.add([at(every, each) for each in moved], "f4"),
+        "values": {name: _values(drawn, name, blob) for name in quantities.FIELDS},
+        "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
+        "organs": _organs(drawn.marks, fields, blob),
+        "units": _organs(marks_on_skin(result), fields, blob),
+        "indenter": surface(indenter_pose.pose(result, 0.0), blob),
+    }
+
+
+def shape(every: Sequence[surfaces.Piece], lines: surfaces.Piece, blob: Blob) -> Json:
+    """Return what stays of surfaces and lines while they move: which vertices they join."""
+    starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
+    triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
+    counts = np.cumsum([0, *(len(each) for each in triangles)])
+    return {
         "vertices": int(starts[-1]),
-        "points": blob.add([_at(every, each) for each in moved], "f4"),
         "triangles": blob.add(np.concatenate(triangles), "u4"),
         "same": blob.add(_same(every), "u4"),
         "pieces": [
             {"name": piece.name, "flat": piece.flat, "from": int(a), "to": int(b)}
             for piece, a, b in zip(every, counts[:-1], counts[1:], strict=True)
         ],
-        "values": {name: _values(drawn, name, blob) for name in quantities.FIELDS},
         "lines": blob.add(lines.triangles, "u4"),
-        "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
-        "organs": _organs(drawn.marks, fields, blob),
-        "units": _organs(marks_on_skin(result), fields, blob),
-        "indenter": _indenter(result, blob),
     }
 
 
-def _at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
+def at(every: Sequence[surfaces.Piece], nodal: Array) -> Array:
+    """Return values at the mesh points (n_points, ...) at the vertices of surfaces."""
     return np.concatenate([piece.at(nodal) for piece in every])
 
 
@@ -177,7 +187,7 @@ def _values(drawn: Drawing, name: str, blob: Blob) -> Json:
     """Return a field on all vertices at all times, rounded to LEVELS of its range."""
     steps = range(len(drawn.fields.times))
     nodal = (quantities.values(drawn.result, name, step) for step in steps)
-    values = np.stack([_at(drawn.surfaces, each) for each in nodal])
+    values = np.stack([at(drawn.surfaces, each) for each in nodal])
     low, high = float(values.min()), float(values.max())
     step = (high - low) / LEVELS or 1.0
     return blob.add(np.round((values - low) / step), "u2") | {"low": low, "step": step}
@@ -198,9 +208,8 @@ def _organs(shown: Marks | None, fields: Fields, blob: Blob) -> Json | None:
     }
 
 
-def _indenter(result: ResultRecord, blob: Blob) -> Json:
-    """Return the surface of the indenter at first touch, and its direction of travel."""
-    pose = indenter_pose.pose(result, 0.0)
+def surface(pose: indenter_pose.Pose, blob: Blob) -> Json:
+    """Return the surface of an indenter at first touch, and its direction of travel."""
     count = 2 if pose.profile.plane else GRID
     line = np.linspace(-1, 1, count)
     across = np.stack(np.meshgrid(line, line, indexing="ij"), axis=-1)

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import condensed
+from fefinger.mechanics import condensed, get
 from fefinger.mechanics.situation import Situation
 from fefinger.neural.streaming import Afferents, RecordedAfferents
 from fefinger.results.records import Sites
+from fefinger.scene.indenter import direction
 from fefinger.support.text import percent
 
 
@@ -63,6 +64,43 @@ def test_the_other_fingers_at_small_strain_warn_too(kind: str) -> None:
 
 def test_a_finger_that_stiffens_by_the_law_of_the_thesis_is_not_warned_of() -> None:
     ff.Loop(STIFFENING, mechanics="condensed", deepest=0.5, stiffening=np.expm1)
+
+
+@pytest.mark.parametrize("kind", ["condensed", "pressed", "modal"])
+def test_the_fields_of_a_loop_are_those_of_a_run(kind: str) -> None:
+    finger, motion = loop(kind), ff.RampHold(10, 0.6, hold=0.1)
+    scene = ff.Scene(finger=finger_of(kind), indenter=ff.Flat(30), motion=motion)
+    expected = get(kind).respond(scene)
+    time, frame = expected.time, expected.fields
+    assert frame is not None
+    values = zip(motion.value(time).tolist(), np.diff(time, prepend=0.0).tolist(), strict=True)
+    for depth, dt in values:
+        finger.step(dt, depth=depth)
+    unit, elastic = finger.prepared.fields(), finger.prepared.contact.elastic
+    assert unit.mesh.points == pytest.approx(frame.points, abs=0)
+    found = np.zeros(len(frame.points))
+    found[unit.pad] = finger.now.pressure
+    # Single precision; of a table the logarithmic strain is interpolated, not the gradient; and
+    # a loop has fewer modes than a run.
+    close = 1e-5 if kind == "condensed" else 2e-3
+    for own, stored in (
+        (np.tensordot(elastic, unit.displacement, 1), frame.displacement[-1]),
+        (np.tensordot(elastic, unit.strain, 1), frame.strain[-1]),
+        (found, frame.pressure[-1]),
+    ):
+        assert own == pytest.approx(stored, abs=close * np.abs(stored).max())
+
+
+@pytest.mark.parametrize("kind", ["sliding", "rolling"])
+def test_skin_under_a_plate_lies_on_it(kind: str) -> None:
+    finger = loop(kind)
+    finger.step(1.0, depth=0.6)
+    unit, axis = finger.prepared.fields(), direction(ff.Flat(30 if kind == "sliding" else 25))
+    moved = np.tensordot(finger.prepared.contact.elastic, unit.displacement, 1)
+    touches = unit.pad[: len(finger.now.pressure)][finger.now.pressure > 0]
+    first = (unit.mesh.points @ axis).min()
+    ahead = (unit.mesh.points + moved)[touches] @ axis - first
+    assert ahead == pytest.approx(0.6, abs=0.06)  # gaps are closed as means over facets
 
 
 @pytest.mark.parametrize("kind", ["condensed", "pressed", "sliding"])

@@ -42,6 +42,7 @@ from fefinger.mechanics.press.problem import on_enough_candidates
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mechanics.press.time_steps import RESOLVED
+from fefinger.mechanics.press.unit_fields import UnitFields, at_small_strain, with_inertia
 from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
@@ -95,8 +96,9 @@ class Prepared:
     what is stepped; readout: what is read of it; touch (3,) mm: the first touch; shown: what a text
     says of it. reduced: the body on its candidates, at small strain; strains(points) gives the
     strain (6 n_points, k) at points under unit elastic stresses; reference() the press that scales
-    strain for afferents of the thesis. With inertia: the modes, and the body of those that are
-    stepped. places (n, 2) mm: of the candidates across the axis of the object.
+    strain for afferents of the thesis; fields() the fields on the mesh, for pictures. With inertia:
+    the modes, and the body of those that are stepped. places (n, 2) mm: of the candidates across
+    the axis of the object.
     """
 
     finger: Finger
@@ -109,6 +111,7 @@ class Prepared:
     reduced: Reduced | None
     strains: Callable[[Array], Array]
     reference: Callable[[], Reference]
+    fields: Callable[[], UnitFields]
     modes: FingerModes | None = None
     body: ModalBody | None = None
     places: Array | None = None
@@ -131,6 +134,7 @@ class _Reduction:
     sites: Sites
     reduced: Reduced
     probe: Callable[[], sparse.csr_matrix]
+    with_continuation: bool = False
 
 
 def pressed(
@@ -180,7 +184,13 @@ def inertial(
     low, high = modes.frequencies[[0, -1]]
     shown = f"{len(modes.frequencies)} modes, {low:.3g} to {high:.3g} Hz relaxed"
     prepared = _prepared(finger, made, contact, body.complete.strain_operator, precision)
-    return replace(prepared, modes=modes, body=body, shown=(shown,))
+
+    def fields() -> UnitFields:
+        return with_inertia(
+            finger, made.solid, modes, body, with_continuation=made.with_continuation
+        )
+
+    return replace(prepared, modes=modes, body=body, shown=(shown,), fields=fields)
 
 
 def slid(
@@ -271,7 +281,7 @@ def _reduction(
 
     reduced = _on_candidates(solid, deepest, candidates, reduce)
     reduced = replace(reduced, object=pressing_object(indenter, solid, reduced.patch))
-    return _Reduction(solid, obstacle, chosen, reduced, probe)
+    return _Reduction(solid, obstacle, chosen, reduced, probe, long)
 
 
 def _on_candidates(
@@ -344,6 +354,7 @@ def _prepared(
         reduced=made.reduced,
         strains=strains,
         reference=partial(reference_of, finger, solid, made.sites),
+        fields=lambda: at_small_strain(finger, solid, on, with_continuation=made.with_continuation),
     )
 
 

@@ -23,6 +23,7 @@ from fefinger.mechanics.press.prepared import (
     reference_of,
     unfolded,
 )
+from fefinger.mechanics.press.unit_fields import at_small_strain
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
@@ -91,6 +92,7 @@ def rolled(
         reduced=reduced,
         strains=strains,
         reference=partial(reference_of, finger, solid, chosen),
+        fields=partial(at_small_strain, finger, solid, on),
     )
 
 

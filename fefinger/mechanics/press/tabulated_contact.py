@@ -12,6 +12,7 @@ from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.prepared import Prepared
 from fefinger.mechanics.press.tabulated_press import TabulatedPress
+from fefinger.mechanics.press.unit_fields import at_finite_strain
 from fefinger.neural.drives import Reference
 from fefinger.results.records import Sites
 from fefinger.support.arrays import Array
@@ -131,4 +132,5 @@ def prepared(tabulated: TabulatedPress, deepest: float, sites: Sites | None) -> 
         reduced=None,
         strains=partial(tabulated_strains, tabulated),
         reference=partial(_reference, tabulated),
+        fields=partial(at_finite_strain, tabulated),
     )

@@ -1,0 +1,335 @@
+// Draws a finger with WebGL. A subclass of Scene says where its vertices are and what color they have: `places`,
+// `values(field)`, `linePlaces`, `marks` with `organPlaces` and `rates`, the `depth` of the object, and `words`.
+"use strict";
+const INK = "#1f2933", BONE = [0.937, 0.902, 0.839], STEEL = [0.56, 0.64, 0.71];
+const NARROW = 640;  // px of a scene below which words and color bar would cross
+const element = (id) => document.getElementById(id);
+
+const VERTEX = `#version 300 es
+in vec3 place; in vec3 normal; in float value; in vec3 tint;
+uniform mat3 turn; uniform vec3 center; uniform vec4 frame; uniform vec2 range; uniform float size;
+out float at; out float aside; out vec3 facing; out vec3 color;
+void main() {
+  vec3 p = turn * (place - center);
+  at = (value - range.x) / (range.y - range.x);
+  facing = turn * normal; color = tint; aside = place.y;
+  gl_Position = vec4(p.x * frame.x + frame.z, p.y * frame.y + frame.w, -p.z * 0.02, 1.0);
+  gl_PointSize = size;
+}`;
+const FRAGMENT = `#version 300 es
+precision highp float;
+in float at; in float aside; in vec3 facing; in vec3 color; out vec4 result;
+uniform sampler2D map; uniform vec4 plain; uniform int mode; uniform float cut;
+void main() {
+  if (aside < cut) discard;
+  vec3 c = plain.rgb; float alpha = 1.0;
+  if (mode == 0 || mode == 1 || mode == 4) c = texture(map, vec2(clamp(at, 0.0, 1.0) * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+  if (mode == 1 || mode == 2) c *= 0.66 + 0.34 * abs(normalize(facing).z);
+  if (mode == 3) alpha = plain.a;
+  if (mode >= 4) {
+    float r = length(gl_PointCoord - 0.5);
+    if (r > 0.5) discard;
+    if (mode == 5) c = color;
+    if (r > 0.37) c = vec3(1.0);
+  }
+  result = vec4(c, alpha);
+}`;
+const FLAT = 0, LIT = 1, PLAIN = 2, GLASS = 3, RATE = 4, TYPE = 5;  // of FRAGMENT
+
+function program(gl) {
+  const made = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw Error(gl.getShaderInfoLog(shader));
+    gl.attachShader(made, shader);
+  }
+  gl.linkProgram(made);
+  gl.useProgram(made);
+  return made;
+}
+
+// Vertices at one place share the normal of the first of them.
+function normals(points, triangles, same) {
+  const sums = new Float32Array(points.length);
+  for (let k = 0; k < triangles.length; k += 3) {
+    const a = 3 * triangles[k], b = 3 * triangles[k + 1], c = 3 * triangles[k + 2];
+    const ux = points[b] - points[a], uy = points[b + 1] - points[a + 1], uz = points[b + 2] - points[a + 2];
+    const vx = points[c] - points[a], vy = points[c + 1] - points[a + 1], vz = points[c + 2] - points[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    for (let j = 0; j < 3; j++) {
+      const to = 3 * same[triangles[k + j]];
+      sums[to] += x;
+      sums[to + 1] += y;
+      sums[to + 2] += z;
+    }
+  }
+  for (let k = 0; k < same.length; k++) {
+    const to = 3 * k, from = 3 * same[k];
+    sums[to] = sums[from];
+    sums[to + 1] = sums[from + 1];
+    sums[to + 2] = sums[from + 2];
+  }
+  return sums;
+}
+
+const rgb = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
+
+class Scene {
+  constructor(box, record, buffer, data, state) {
+    Object.assign(this, { record, data, state });
+    this.read = ({ kind, at, count }) =>
+      new { f4: Float32Array, u4: Uint32Array, u2: Uint16Array }[kind](buffer, at, count);
+    box.className = "scene";
+    box.replaceChildren(document.createElement("canvas"), document.createElement("canvas"));
+    [this.canvas, this.paper] = box.children;
+    this.gl = this.canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
+    if (!this.gl) throw Error("This browser has no WebGL 2, which this page draws with.");
+    this.program = program(this.gl);
+    this.buffers = {};
+    this.maps = Object.fromEntries(Object.entries(data.maps).map(([name, colors]) => [name, this.texture(colors)]));
+    this.triangles = this.read(record.triangles);
+    this.same = this.read(record.same);
+    const first = this.read(record.rest ?? record.points).subarray(0, 3 * record.vertices);
+    const low = [1e9, 1e9, 1e9], high = [-1e9, -1e9, -1e9];
+    first.forEach((x, i) => { low[i % 3] = Math.min(low[i % 3], x); high[i % 3] = Math.max(high[i % 3], x); });
+    this.center = [0, 1, 2].map((i) => (low[i] + high[i]) / 2);
+    this.center[1] = 0;
+    this.reach = Math.hypot(high[0] - low[0], high[2] - low[2]) / 2;
+  }
+
+  texture(colors) {
+    const gl = this.gl, made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array(colors));
+    for (const name of ["MIN_FILTER", "MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl["TEXTURE_" + name], gl.LINEAR);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    return made;
+  }
+
+  attribute(name, array, size) {
+    const gl = this.gl, at = gl.getAttribLocation(this.program, name);
+    if (at < 0) return;
+    if (!array) return gl.disableVertexAttribArray(at);
+    this.buffers[name] ??= gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[name]);
+    gl.bufferData(gl.ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
+    gl.enableVertexAttribArray(at);
+    gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0);
+  }
+
+  elements(shape, indices) {
+    const gl = this.gl;
+    this.buffers.elements ??= gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers.elements);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
+    gl.drawElements(shape, indices.length, gl.UNSIGNED_INT, 0);
+  }
+
+  set(mode, { span, map, plain = [1, 1, 1, 1], cut = -1e9 } = {}) {
+    const gl = this.gl, at = (name) => gl.getUniformLocation(this.program, name);
+    gl.uniform1i(at("mode"), mode);
+    gl.uniform1f(at("cut"), cut);
+    gl.uniform4f(at("plain"), ...plain);
+    if (span) gl.uniform2f(at("range"), ...span);
+    if (map) gl.bindTexture(gl.TEXTURE_2D, this.maps[map]);
+  }
+
+  look() {
+    const gl = this.gl, at = (name) => gl.getUniformLocation(this.program, name), { view } = this.state;
+    const ratio = devicePixelRatio || 1;
+    for (const canvas of [this.canvas, this.paper]) {
+      canvas.width = Math.round(canvas.clientWidth * ratio);
+      canvas.height = Math.round(canvas.clientHeight * ratio);
+    }
+    const { width, height } = this.canvas;
+    gl.viewport(0, 0, width, height);
+    const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
+    // Rows: right, up and toward the eye, which is at -y when nothing is turned.
+    this.turn = [[cy, sy, 0], [-sp * sy, sp * cy, cp], [cp * sy, -cp * cy, sp]];
+    const scale = (view.zoom * 1.02 * Math.min(height, 0.72 * width)) / this.reach / 2;
+    this.frameOf = [(2 * scale) / width, (2 * scale) / height, 2 * view.x - 0.16, 2 * view.y + 0.08];
+    gl.uniformMatrix3fv(at("turn"), true, this.turn.flat());
+    gl.uniform3f(at("center"), ...this.center);
+    gl.uniform4f(at("frame"), ...this.frameOf);
+    this.size = Math.max(12 * ratio, 0.38 * scale);
+    gl.clearColor(1, 1, 1, 1);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  project(points, k) {
+    const d = [0, 1, 2].map((i) => points[3 * k + i] - this.center[i]);
+    const [x, y, z] = this.turn.map((row) => row[0] * d[0] + row[1] * d[1] + row[2] * d[2]);
+    const [sx, sy, ox, oy] = this.frameOf;
+    return [((x * sx + ox + 1) / 2) * this.canvas.width, ((1 - y * sy - oy) / 2) * this.canvas.height, z];
+  }
+
+  visible(piece) { return this.state.shown[piece.name === "pad" ? "skin" : piece.name]; }
+
+  draw() {
+    const { gl, record, data } = this, { shown, field } = this.state;
+    this.look();
+    this.points = this.places;
+    this.drawn = field;
+    this.nodal = this.values(field);
+    const pressure = this.values("pressure"), span = data.fields[field], press = data.pressure;
+    this.attribute("place", this.points, 3);
+    this.attribute("normal", normals(this.points, this.triangles, this.same), 3);
+    for (const piece of record.pieces.filter((each) => this.visible(each))) {
+      const pressed = piece.name === "pad" && shown.pressure && field !== "pressure";
+      const scale = pressed ? press : span;
+      this.attribute("value", pressed ? pressure : this.nodal, 1);
+      if (piece.name === "bone") this.set(PLAIN, { plain: [...BONE, 1] });
+      else this.set(piece.flat || pressed ? FLAT : LIT, { span: [scale.low, scale.high], map: scale.colors });
+      this.elements(gl.TRIANGLES, this.triangles.subarray(3 * piece.from, 3 * piece.to));
+    }
+    this.attribute("value", null);
+    this.attribute("normal", null);
+    if (!shown["other half"]) this.drawLines();
+    this.drawOrgans();
+    if (shown.indenter) this.drawIndenter();
+    this.write();
+  }
+
+  drawLines() {
+    const toward = this.turn[2].map((x) => 0.03 * x);
+    this.attribute("place", Float32Array.from(this.linePlaces, (x, i) => x + toward[i % 3]), 3);
+    this.set(GLASS, { plain: [1, 1, 1, 1] });
+    this.elements(this.gl.LINES, this.read(this.record.lines));
+  }
+
+  drawOrgans() {
+    const organs = this.marks, { data } = this, { shown } = this.state;
+    if (!organs) return;
+    const gl = this.gl, count = organs.labels.length, rates = shown.rates && this.rates;
+    this.organs = this.organPlaces;
+    const closer = this.turn[2].map((x) => (shown["other half"] ? 0.3 * x : 0));
+    this.attribute("place", this.organs.map((x, i) => x + closer[i % 3]), 3);
+    gl.uniform1f(gl.getUniformLocation(this.program, "size"), this.size * (count > data.few ? 0.6 : 1));
+    if (rates) this.attribute("value", rates, 1);
+    else this.attribute("tint", new Float32Array(organs.colors.flatMap(rgb)), 3);
+    this.set(rates ? RATE : TYPE, rates ? { span: [0, data.rate], map: data.rates } : {});
+    if (!shown["other half"]) gl.disable(gl.DEPTH_TEST);  // seen through the tissue before them
+    gl.drawArrays(gl.POINTS, 0, count);
+    gl.enable(gl.DEPTH_TEST);
+    this.attribute("value", null);
+    this.attribute("tint", null);
+  }
+
+  drawIndenter() {
+    const gl = this.gl, { points, triangles, rim, axis } = this.record.indenter, { shown, field } = this.state;
+    const travel = this.depth - 0.05;  // a little away, so that nothing flickers
+    this.attribute("place", Float32Array.from(this.read(points), (x, i) => x + travel * axis[i % 3]), 3);
+    const cut = shown["other half"] ? -1e9 : 0, edge = this.read(rim);
+    if (field !== "pressure" || !edge.length) {  // glass changes the colors behind it
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+      gl.depthMask(false);
+      this.set(GLASS, { plain: [...STEEL, 0.2], cut });
+      this.elements(gl.TRIANGLES, this.read(triangles));
+      gl.depthMask(true);
+      gl.disable(gl.BLEND);
+    }
+    this.set(GLASS, { plain: [0.32, 0.38, 0.43, 1], cut });
+    this.elements(gl.LINES, edge);
+  }
+
+  write() {
+    const ratio = devicePixelRatio || 1, pen = this.paper.getContext("2d"), { data } = this, { shown, field } = this.state;
+    pen.scale(ratio, ratio);
+    pen.fillStyle = INK;
+    const wide = this.paper.clientWidth - 28;
+    this.words.forEach((words, row) => {
+      pen.font = row ? "14px system-ui, sans-serif" : "600 15px system-ui, sans-serif";
+      pen.fillText(words, 14, 24 + 20 * row, wide);
+    });
+    const right = this.paper.clientWidth - 84, tall = this.paper.clientHeight;
+    const organs = this.marks, rated = organs && shown.rates && this.rates;
+    const top = this.paper.clientWidth < NARROW ? 112 : 84;  // below the words, where the bar would cross them
+    const pressed = shown.pressure && shown.skin && field !== "pressure";
+    const upper = pressed || rated ? Math.min(0.32 * tall, (tall - top) / 2 - 34) : 0.32 * tall;
+    this.bar(pen, right, top, upper, field, data.fields[field]);
+    const lower = Math.max(0.64 * tall, top + upper + 44), height = Math.min(0.26 * tall, tall - lower - 12);
+    if (pressed) this.bar(pen, right, lower, height, "pressure", data.pressure);
+    if (rated) this.bar(pen, right - (pressed ? 130 : 0), lower, height, "rate", { low: 0, high: data.rate, colors: data.rates, unit: "Hz", extend: "neither" });
+    const few = organs && organs.labels.length <= data.few;
+    if (few) this.label(pen, organs.labels, ratio, right - 12, top + 20);
+  }
+
+  bar(pen, x, y, height, name, { low, high, colors, unit, extend }) {
+    const map = this.data.maps[colors];
+    for (let k = 0; k < 256; k++) {
+      pen.fillStyle = `rgb(${map.slice(3 * k, 3 * k + 3)})`;
+      pen.fillRect(x, y + (height * (255 - k)) / 256, 18, height / 256 + 1);
+    }
+    pen.fillStyle = pen.strokeStyle = INK;
+    pen.lineWidth = 0.5;
+    pen.strokeRect(x, y, 18, height);
+    pen.font = "13px system-ui, sans-serif";
+    for (let k = 0; k <= 4; k++) {
+      const sign = { 0: ["min", "both"].includes(extend) ? "≤ " : "", 4: ["max", "both"].includes(extend) ? "≥ " : "" }[k] || "";
+      pen.fillText(sign + +(low + ((high - low) * k) / 4).toPrecision(3), x + 24, y + height * (1 - k / 4) + 5);
+    }
+    pen.textAlign = "right";
+    pen.fillText(`${name} / ${unit}`, x + 74, y - 12);
+    pen.textAlign = "left";
+  }
+
+  // Labels stand in a column on the right of all organs, or on their left where there is no room.
+  label(pen, labels, ratio, right, top) {
+    const places = labels.map((words, k) => [words, ...this.project(this.organs, k)])
+      .filter((place) => place[0]).sort((a, b) => a[2] - b[2]);
+    pen.font = "13px system-ui, sans-serif";
+    pen.strokeStyle = INK;
+    pen.lineWidth = 0.8;
+    const across = places.map((place) => place[1] / ratio), aside = 60;
+    const width = Math.max(...places.map(([words]) => pen.measureText(words).width)) + 10;
+    const beyond = Math.max(...across) + aside, fits = beyond + width <= right;
+    const end = fits ? beyond : Math.max(Math.min(...across) - aside, width);
+    this.uncross(places, ratio, end, top);
+    places.forEach(([words, x, y], row) => {
+      const level = top + 22 * row, wide = pen.measureText(words).width + 10, left = fits ? end : end - wide;
+      pen.beginPath();
+      pen.moveTo(x / ratio + (fits ? 6 : -6), y / ratio);
+      pen.lineTo(end, level);
+      pen.stroke();
+      pen.fillStyle = "rgba(255, 255, 255, 0.8)";
+      pen.fillRect(left, level - 10, wide, 20);
+      pen.fillStyle = INK;
+      pen.fillText(words, left + 5, level + 4);
+    });
+  }
+
+  // Swaps places (words, x, y) whose lines to the column of labels cross, until none do.
+  uncross(places, ratio, across, top) {
+    const side = (p, q, r) => (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    const end = (row) => [across, top + 22 * row], start = (row) => [places[row][1] / ratio, places[row][2] / ratio];
+    for (let swapped = true; swapped;) {
+      swapped = false;
+      for (let i = 0; i < places.length; i++) for (let j = 0; j < i; j++) {
+        const [a, b, c, d] = [start(i), end(i), start(j), end(j)];
+        if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) {
+          [places[i], places[j]] = [places[j], places[i]];
+          swapped = true;
+        }
+      }
+    }
+  }
+
+  // Returns the vertex next to the pointer that is seen there, and its place on the screen.
+  under(event) {
+    const ratio = devicePixelRatio || 1, box = this.canvas.getBoundingClientRect();
+    const x = (event.clientX - box.left) * ratio, y = (event.clientY - box.top) * ratio;
+    let best = null, close = (14 * ratio) ** 2;
+    for (const piece of this.record.pieces.filter((each) => each.name !== "bone" && this.visible(each))) {
+      for (const k of new Set(this.triangles.subarray(3 * piece.from, 3 * piece.to))) {
+        const [px, py, depth] = this.project(this.points, k), away = (px - x) ** 2 + (py - y) ** 2;
+        if (away < close && (!best || depth > best.depth - 0.5)) [best, close] = [{ k, depth }, away];
+      }
+    }
+    return best;
+  }
+}

@@ -1,0 +1,17 @@
+"""One finger, whose press is shipped, for the tests of the page."""
+
+import pytest
+
+from fefinger.live.player import Player
+from fefinger.live.setup import Setup
+from fefinger.mechanics.loop import Loop
+
+
+@pytest.fixture(scope="session")
+def loop() -> Loop:
+    return Setup().loop("coarse")
+
+
+@pytest.fixture
+def player(loop: Loop) -> Player:
+    return Player(Setup(), loop)
