@@ -23,9 +23,6 @@ that all meshes keep the same places of a grid."""
 SHOWN = 3
 """Number of places beside the skin that a message lists."""
 
-ATTEMPTS = 200
-"""Number of random draws around a unit before the pad counts as too small for the field."""
-
 
 @dataclass(frozen=True)
 class Surface:
@@ -313,7 +310,8 @@ def _spread(
 ) -> tuple[Array, Array]:
     """Draw `count` random points of the skin around a center, with normals."""
     points, normals = np.empty((0, 3)), np.empty((0, 3))
-    for _ in range(ATTEMPTS):
+    # After 200 draws around a unit the pad is too small for the field.
+    for _ in range(200):
         around = center + _disc(rng, normal, 0.5 * diameter, count - len(points))
         drawn, upward, on = surface.project(around)
         points, normals = np.concatenate([points, drawn[on]]), np.concatenate([normals, upward[on]])

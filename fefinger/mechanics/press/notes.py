@@ -32,8 +32,6 @@ CONVOLVED = (
 ROUNDED = 5e-4
 """Distance of a sum of weights from 1 that four digits of each explain."""
 
-TURNS_READ = 201
-"""Times at which the turn of a plate is read, beside the corners of its path."""
 
 MAX_TURN_DEG = 10.0
 """Degrees by which a plate may turn from its travel, a convention: its pressure then has 0.18 of
@@ -194,7 +192,8 @@ def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     if indenter.flat is None:
         reason = f"indenter.kind = {indenter.kind!r}: a smooth plate alone turns along a path"
         return (Reason("motion.angle", reason),)
-    times = np.linspace(0.0, motion.duration, TURNS_READ)
+    # The turn is read at 201 times, and at the corners of the path.
+    times = np.linspace(0.0, motion.duration, 201)
     slopes = motion.inclines(np.union1d(times, motion.breakpoints), indenter.flat)
     turn = float(np.degrees(np.arctan(np.linalg.norm(slopes, axis=1).max())))
     if turn <= MAX_TURN_DEG:

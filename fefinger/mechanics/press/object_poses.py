@@ -11,9 +11,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
-TURNED = 1e-6
-"""Largest entry of R' R - 1 of a rotation matrix: written in single precision it is 1e-7."""
-
 Pose = tuple[Shape, ArrayLike, ArrayLike]
 """An object, its rotation (3, 3) and its place (3,) mm in the frame of the finger."""
 
@@ -59,7 +56,8 @@ def poses(objects: Sequence[Pose], worlds: int) -> Poses:
     if not np.isfinite(place).all():
         raise InputError("objects: expected finite places in mm, received nan or inf")
     off = np.abs(np.einsum("wbki,wbkj->wbij", rotation, rotation) - np.eye(3))
-    if not (off <= TURNED).all() or (np.linalg.det(rotation) < 0).any():
+    # R' R - 1 of a rotation matrix that was written in single precision is 1e-7.
+    if not (off <= 1e-6).all() or (np.linalg.det(rotation) < 0).any():
         raise InputError(
             "objects: expected rotation matrices, with R' R = 1 and determinant 1, received "
             "another; give columns that are the object's axes in the frame of the finger"

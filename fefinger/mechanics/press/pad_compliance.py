@@ -18,10 +18,6 @@ from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array, Floats, Integers
 
 
-BELOW = 100.0
-"""Distance in mm of a plate that all of the pad is a candidate of."""
-
-
 @dataclass(frozen=True)
 class PadCompliance:
     """A pad, its vertices (n,) in the mesh, and what tractions on them cause.
@@ -48,7 +44,8 @@ def pad_compliance(
     everywhere = (
         solid.pad,
         solid.normals,
-        Obstacle(np.array([0.0, 0.0, 1.0]), np.array([0, 0, -BELOW])),
+        # All of the pad is a candidate of a plate 100 mm below it.
+        Obstacle(np.array([0.0, 0.0, 1.0]), np.array([0, 0, -100.0])),
     )
     chosen = candidates(space, *everywhere, np.inf, 0, solid.loadable)
     part, n = chosen.part, len(chosen.vertices)

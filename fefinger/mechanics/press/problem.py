@@ -43,7 +43,6 @@ GROW = 1.4  # factor on the reach when contact meets the border of the candidate
 
 ATTEMPTS = 4  # with GROW: up to 2.7 times the first reach
 
-AROUND = 4.0  # mm about first touch in which facets are measured
 
 FACETS_PER_FEATURE = 1.5
 """Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention."""
@@ -215,7 +214,8 @@ def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:
     if not ((slides or indenter.raised) and np.isfinite(indenter.feature)):
         return
     corners = body.space.points[body.pad]
-    near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < AROUND
+    # Facets are measured within 4 mm of first touch.
+    near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < 4.0
     facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
     part = indenter.feature / facet
     size = f"its smallest part / facet = {indenter.feature:.2g} / {facet:.2g} mm = {part:.2g}"

@@ -28,7 +28,6 @@ REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
 
 LATTICE = 0.4  # mm between the points of a spherical pad
-STEEPEST = 0.9  # sine of the slope at which a spherical pad ends
 
 
 def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
@@ -92,7 +91,8 @@ def spherical(radius: float, axis: Array) -> "Surface":
     """Return a pad of `radius` mm that touches the origin, where `axis` (3,) points inward."""
     from fefinger.neural.populations import Surface
 
-    reach = STEEPEST * radius
+    # A spherical pad ends where the sine of its slope is 0.9.
+    reach = 0.9 * radius
     x = LATTICE * np.arange(-np.floor(reach / LATTICE), np.floor(reach / LATTICE) + 1)
     flat = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
     flat = flat[np.linalg.norm(flat, axis=1) <= reach]

@@ -26,9 +26,6 @@ from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
 
 
-DECAY = 20.0
-"""The departure 1 - L falls as exp(-2 xi h): at xi h = 20 it is under 1e-14."""
-
 WIDEST = 200.0
 """Largest contact radius over thickness of the top layer; the number of unknowns grows with it."""
 
@@ -138,7 +135,8 @@ def _spectrum(body: LayeredBody, half_octave: int) -> tuple[Array, Array]:
     """Compute the `spectrum` for a reach of 2^(half_octave / 2) times the smallest scale."""
     fine, coarse = body.scales
     reach = fine * 2 ** (half_octave / 2)
-    xi, weights = panels(1e-4 / coarse, DECAY / fine, reach=reach)
+    # The departure 1 - L falls as exp(-2 xi h): at xi h = 20 it is under 1e-14.
+    xi, weights = panels(1e-4 / coarse, 20.0 / fine, reach=reach)
     departure = weights * (1 - body.compliance(xi))
     for cached in (xi, departure):
         cached.flags.writeable = False

@@ -21,8 +21,6 @@ FAR = 30.0
 """Distance over the thickness from which on layers on a rigid base do not move: K r has fallen by
 1e-9, where nothing of the layer is compressible, and by more where it is."""
 
-STEPS = 1920
-"""Intervals of a table of layers: its moment is interpolated to 1e-9 of its largest."""
 
 DECAY = 20.0
 """Wavenumber times the thickness of the top layer from which on 1 - L is below 1e-14."""
@@ -58,7 +56,8 @@ def moment(stack: Stack) -> Moment:
         return Moment(WIDE, unit * np.array([0.0, WIDE]), unit * np.ones(2))
     if stack.thickness == math.inf:
         raise ValueError("point_load: expected a half-space or layers on a rigid base")
-    r = np.linspace(0.0, FAR * thick, STEPS + 1)
+    # With 1920 intervals the moment is interpolated to 1e-9 of its largest.
+    r = np.linspace(0.0, FAR * thick, 1921)
     xi, weights = _nodes(DECAY / fine)
     left = weights * (1 - stack.compliance(xi))
     value, slope = r.copy(), np.ones_like(r)

@@ -7,16 +7,6 @@ from fefinger.theory.lumped.ramp_hold import RampHold
 from fefinger.theory.relaxation import Prony
 
 
-LOOSE = 0.5  # relative standard deviation from which a rate is not identified
-APART = 2.0  # ratio of successive rates below which they cannot be separated
-PASSED = 25.0  # time constants of a term within the ramp from which position noise hides the term
-GAP = 5.0  # median intervals between samples from which an interval at the corner is a gap
-FADES = 3.0  # time constants of the fastest term after which the corner ends
-OFF = 5.0  # standard deviations that noise alone hardly ever exceeds
-SEEN = 1e-3  # smallest misfit, over the largest force, that matters
-TARED = 0.002  # largest force before touch, over the largest force
-
-
 def deviations(jacobian: Array, covariance: Array) -> list[float]:
     """Return the standard deviations (n,) of quantities with the `jacobian` (n, k) by k parameters.
 
@@ -53,7 +43,8 @@ def terms(
     warnings = []
     for i, (weight, rate) in enumerate(zip(prony.weights[1:], prony.v, strict=True), start=1):
         deviation = spread[f"v{i}"]
-        if not deviation < LOOSE * rate or weight < 2 * spread[f"c{i}"]:
+        # A rate with a standard deviation of half of it is not identified.
+        if not deviation < 0.5 * rate or weight < 2 * spread[f"c{i}"]:
             warnings.append(
                 f"term {i} is not identified: v{i} = {rate:.3g} +- {deviation:.2g} 1/s, c{i} = "
                 f"{weight:.3g} +- {spread[f'c{i}']:.2g}; {advice}"
@@ -64,7 +55,8 @@ def terms(
                 f"{record.hold_seconds:.3g} s; it cannot be separated from c0, hold longer"
             )
     for i, (fast, slow) in enumerate(zip(prony.v, prony.v[1:], strict=False), start=1):
-        if fast < APART * slow:
+        # Rates closer than a factor of two cannot be separated.
+        if fast < 2.0 * slow:
             warnings.append(
                 f"terms {i} and {i + 1} are too close: v = {fast:.3g} and {slow:.3g} 1/s; "
                 f"only their sum is identified, {advice}"
@@ -81,7 +73,8 @@ def misfit(missed: Array, noise: Array, size: Array, largest: float) -> tuple[st
     worst = int(np.argmax(np.abs(missed) / noise))
     times = float(np.abs(missed[worst]) / noise[worst])
     scatter = float(np.sqrt(np.mean(size * (missed / noise) ** 2)))
-    if max(times, scatter) <= OFF or np.abs(missed).max() <= SEEN * largest:
+    # Noise alone hardly ever exceeds 5 standard deviations; a misfit of 1e-3 does not matter.
+    if max(times, scatter) <= 5.0 or np.abs(missed).max() <= 1e-3 * largest:
         return ()
     return (
         f"the model misses the record by {abs(missed[worst]):.2g} N, {times:.2g} times the "
@@ -105,7 +98,8 @@ def _hidden(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[s
     """
     lasts = float(record.time[record.hold] - record.time[record.touch])
     fastest = min(prony.v[0] + 2 * spread["v1"], 2 * prony.v[0]) if prony.v else 0.0
-    if fastest * lasts <= PASSED or record.position_noise == 0:
+    # Noise of the position hides a term of which 25 time constants pass within the ramp.
+    if fastest * lasts <= 25.0 or record.position_noise == 0:
         return ()
     return (
         f"term 1 has faded: the ramp of {lasts:.3g} s is {fastest * lasts:.2g} time constants; "
@@ -115,12 +109,14 @@ def _hidden(record: RampHold, prony: Prony, spread: dict[str, float]) -> tuple[s
 
 def _gaps(record: RampHold, prony: Prony) -> tuple[str, ...]:
     """Return a warning on missing samples at the corner, where the fastest term is visible."""
-    until = FADES / max(prony.v, default=np.inf)
+    # The corner lasts three time constants of the fastest term.
+    until = 3.0 / max(prony.v, default=np.inf)
     time = record.time[record.touch :]
     time = time[: np.searchsorted(time, record.time[record.hold] + until, "right") + 1]
     apart = np.diff(time)
     widest = int(np.argmax(apart))
-    if apart[widest] <= GAP * np.median(apart):
+    # An interval is a gap from five median ones on.
+    if apart[widest] <= 5.0 * np.median(apart):
         return ()
     return (
         f"no samples from {time[widest]:.4g} to {time[widest + 1]:.4g} s, about the corner of the "
@@ -135,7 +131,8 @@ def _touch(record: RampHold, x0: float, spread: float) -> tuple[str, ...]:
     free = free[: len(free) // 4 + 1]  # x0 is biased too where they are not 0
     if free.size:
         off, sure = float(free.mean()), 5 * record.force_noise / np.sqrt(free.size)
-        if abs(off) > max(sure, TARED * float(record.force.max())):
+        # A record that is tared well begins within 0.2 % of its largest force.
+        if abs(off) > max(sure, 0.002 * float(record.force.max())):
             warnings.append(
                 f"the force is {off:.3g} N before touch, where it should be 0: stiffness and touch "
                 "are biased; tare the force"

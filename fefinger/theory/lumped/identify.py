@@ -37,10 +37,8 @@ if TYPE_CHECKING:
 
 TERMS = 3  # exponentials of G in Table 3.1 of Pawluk (1997)
 FASTEST = 300.0  # 1/s, initial value of the fastest rate
-EVALUATIONS = 500  # limit for the fit of the hold
 FAINT = 1e-6  # weight below which a term counts as missing
 TYPICAL = 2.0  # 1/mm, typical m of fingers: the initial value without a stiffness line
-STEADY = 0.8  # fraction of the median speed below which the indenter starts or stops
 CUT = SMOOTHING // 2 + 1  # samples before the hold that smoothing mixes with it
 
 
@@ -137,7 +135,8 @@ def _steady(record: RampHold) -> slice:
             "overshoot"
         )
     speed = np.gradient(smooth(smooth(record.position)), record.time)[part]
-    fast = np.flatnonzero(speed >= STEADY * np.median(speed))
+    # Below 0.8 of the median speed the indenter starts or stops.
+    fast = np.flatnonzero(speed >= 0.8 * np.median(speed))
     return slice(part.start + int(fast[0]), part.start + int(fast[-1]) + 1)
 
 
@@ -351,7 +350,7 @@ def _exponentials(t: Array, f: Array, root: Array, terms: int, seconds: float) -
     amplitudes, _ = nnls(root[:, None] * basis(rates), root * f)
     # NNLS leaves some amplitudes at 0, which have no logarithm to start from.
     start = np.append(np.log(np.maximum(amplitudes, 1e-3 * f[0])), rates)
-    return least_squares(residual, start, x_scale="jac", max_nfev=EVALUATIONS)
+    return least_squares(residual, start, x_scale="jac", max_nfev=500)
 
 
 def _packed(spring: Spring, prony: Prony) -> Array:
