@@ -6,8 +6,9 @@ each vertex near the rim phi is fitted to the gaps outside, as c0 + c1 s + c2 t 
 across its gradient, and its zero level is the rim. Pressures are not used, because at
 vertices next to the rim they alternate about the exact ones.
 
-At a sharp edge of the obstacle, as of a bar, contact ends at that edge: at the point between a
-vertex in contact and a free one where the obstacle protrudes most.
+At an edge of the obstacle, as of a bar or a pin, contact ends at that edge: at the point between a
+vertex in contact and a free one where the obstacle protrudes most. Edges rounded as widely as the
+facets count too, since the power does not hold within their rounding.
 """
 
 from dataclasses import dataclass
@@ -28,9 +29,9 @@ SIDES = np.array([[0, 1], [1, 2], [2, 0]])
 PLACES = np.linspace(0.0, 1.0, 33)  # positions along a side at which an edge is sought
 
 NEIGHBORS = 40  # nearest vertices from which a fit takes its points
-PLAUSIBLE = 1.5  # largest ratio of the fitted area to the sum over vertices, or its inverse
+PLAUSIBLE = 1.2, 1.5  # ratios to the area of the vertices: the fit counts up to, nothing from here
 SHARP = 0.05  # least protrusion of an edge over the length of a side
-TURNED = 0.9  # share of the change of slope within half a side: 1 at an edge, 1/2 on an arc
+TURNED = 0.6  # share of the change of slope within half a side: 1 at an edge, 1/2 on an arc
 ROWS = 4096  # fits in one batch, so that the work arrays stay in cache
 SAME = 1e-9  # relative change of the gap below which the last area is reused
 
@@ -44,7 +45,7 @@ class CandidateSurface:
     """Contact candidates as a triangle mesh, projected along `axis`; measures the contact area.
 
     points (n, 3) mm; triangles (n_tri, 3); axis (3,): direction of travel; obstacle: given where
-    it may have sharp edges.
+    it has edges.
     """
 
     points: Array
@@ -61,21 +62,19 @@ class CandidateSurface:
         measured = np.zeros(len(gap))
         closed = pressed | (gap <= 0)  # pressures oscillate toward an edge, some are zero there
         source = _sources(pressed, gap)
-        edge_areas: dict[bytes, float | None] = {}
-        times_of: dict[tuple[bytes, bool], list[int]] = {}
+        by_edges: dict[bytes, float | None] = {}
+        times_of: dict[bytes, list[int]] = {}
         for k in np.unique(source[source >= 0]).tolist():
             key = closed[k].tobytes()
-            if key not in edge_areas:
-                edge_areas[key] = self._edge_area(closed[k])
-            edge_area = edge_areas[key]
-            if edge_area is None or np.isnan(edge_area):
-                kind = pressed[k].tobytes(), edge_area is not None
-                times_of.setdefault(kind, []).append(k)
+            if key not in by_edges:
+                by_edges[key] = self._edge_area(closed[k])
+            area = by_edges[key]
+            if area is None:
+                times_of.setdefault(pressed[k].tobytes(), []).append(k)
             else:
-                measured[k] = edge_area
-        for (_, near_edge), times in times_of.items():
-            counted = (closed if near_edge else pressed)[times]
-            measured[times] = self._rim_area(pressed[times[0]], counted, gap[times])
+                measured[k] = area
+        for times in times_of.values():
+            measured[times] = self._rim_area(pressed[times[0]], gap[times])
         return np.asarray(np.where(source >= 0, measured[source], 0.0))
 
     @cached_property
@@ -103,9 +102,7 @@ class CandidateSurface:
         return np.sqrt(2 * total / np.maximum(np.bincount(corners, minlength=count), 1))
 
     def _edge_area(self, closed: Flags) -> float | None:
-        """Area in mm² of a contact (n,) that ends at sharp edges.
-
-        None where there is none along its rim, and nan where contact ends beside the edge.
+        """Area in mm² of a contact (n,) that ends at edges; None where none lies along its rim.
 
         Between a vertex in contact and a free one it ends where the obstacle protrudes most over
         the chord between them; on a side without an edge, half way.
@@ -115,37 +112,42 @@ class CandidateSurface:
         count = closed[self.triangles].sum(axis=1)
         mixed = np.flatnonzero((count > 0) & (count < 3))
         sides = self.triangles[mixed][:, SIDES]
-        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
-        few = self._rises(sides, PLACES[::8])[1].max(axis=2)  # an edge shows on this coarse grid
-        if not (few > SHARP * length / 2).any():
-            return None
-        at, sharp = _corners(*self._rises(sides, PLACES), length)
         start, end = closed[sides[..., 0]], closed[sides[..., 1]]
-        cut = ((start != end) & sharp).any(axis=1)
-        if not cut.any():
-            return np.nan if sharp.any() else None
-        at = np.where(sharp, at, 0.5)
+        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
+        crossed = start != end
+        _, few, walled = self._rises(sides, PLACES[::8], length)  # an edge shows here already
+        if not (crossed & (walled | (few.max(axis=2) > SHARP * length / 2))).any():
+            return None
+        distance, rise, walled = self._rises(sides, PLACES, length)
+        edge = crossed & (rise.max(axis=2) > SHARP * length) & (walled | _turned(distance, rise))
+        if not edge.any():
+            return None
+        at = np.where(edge, PLACES[rise.argmax(axis=2)], 0.5)
         reach = np.where(start, at, 1 - at)
-        alone = np.where(start != end, reach, 1.0).prod(axis=1)
-        both = 1 - np.where(start != end, 1 - reach, 1.0).prod(axis=1)
+        alone = np.where(crossed, reach, 1.0).prod(axis=1)
+        both = 1 - np.where(crossed, 1 - reach, 1.0).prod(axis=1)
         share = count / 3
-        share[mixed[cut]] = np.where(count[mixed] == 1, alone, both)[cut]
+        share[mixed] = np.where(count[mixed] == 1, alone, both)
         return float(share @ self._areas)
 
-    def _rises(self, sides: Integers, places: Array) -> tuple[Array, Array]:
-        """Distance (..., n) mm of the obstacle along sides, and its protrusion over the chord."""
+    def _rises(self, sides: Integers, places: Array, length: Array) -> tuple[Array, Array, Flags]:
+        """Distance (..., n) mm of the obstacle at places of sides, and its protrusion over a chord.
+
+        And whether sides pass a wall (...,), behind which it is not ahead. length (...,) mm: of the
+        sides. Walls, and what is steeper than 45 degrees, count as that steep.
+        """
         assert self.obstacle is not None
         first, last = (self.points[sides[..., end]][..., None, :] for end in (0, 1))
         distance, _ = self.obstacle.gap((1 - places[:, None]) * first + places[:, None] * last)
-        distance = np.where(np.isfinite(distance).all(axis=-1, keepdims=True), distance, 0.0)
+        ahead = np.isfinite(distance)
+        walled = np.asarray(ahead.any(axis=-1) & ~ahead.all(axis=-1))
+        distance = np.minimum(distance, (distance.min(axis=-1) + length)[..., None])
         chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
-        return distance, chord - distance
+        rise = np.where(np.isfinite(distance), chord - distance, 0.0)
+        return np.where(np.isfinite(distance), distance, 0.0), rise, walled
 
-    def _rim_area(self, pressed: Flags, counted: Flags, gap: Array) -> Array:
-        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,).
-
-        counted (n_t, n): the pressed vertices; near an edge also those that the obstacle touches.
-        """
+    def _rim_area(self, pressed: Flags, gap: Array) -> Array:
+        """Areas (n_t,) mm² at times with gaps (n_t, n) mm and the same pressed vertices (n,)."""
         count = pressed[self.triangles].sum(axis=1)
         edge = np.zeros(len(pressed), dtype=bool)
         edge[self.triangles[(count > 0) & (count < 3)]] = True
@@ -159,12 +161,12 @@ class CandidateSurface:
         parts = [self._cut(rim, crossed, pressed, part) for part in np.split(gap, list(few))]
         whole = count[crossed] / 3 * self._areas[crossed]
         fitted = inner + np.concatenate([np.where(k, c, whole).sum(axis=1) for c, k in parts])
-        # Near an edge of the obstacle the power 3/2 of the gap does not hold, nor does the fit. The
-        # area is that of the vertices then, also of those whose pressure has oscillated to zero.
-        shares = np.repeat(self._areas / 3, 3)
-        vertices = counted @ np.bincount(self.triangles.ravel(), shares, minlength=len(pressed))
-        plausible = (vertices < PLAUSIBLE * fitted) & (fitted < PLAUSIBLE * vertices)
-        return np.asarray(np.where(plausible, fitted, vertices))
+        # A contact of few facets has no room for the power 3/2 of the gap: there the area of its
+        # vertices counts, and between the two as much as the fit, without a jump.
+        vertices = float(count @ self._areas) / 3
+        apart = np.abs(np.log(np.maximum(fitted, 1e-300) / vertices))
+        weight = np.interp(apart, np.log(PLAUSIBLE), [1.0, 0.0])
+        return np.asarray(weight * fitted + (1 - weight) * vertices)
 
     def _cut(
         self, rim: Integers, crossed: Flags, pressed: Flags, gap: Array
@@ -208,17 +210,16 @@ def _sources(pressed: Flags, gap: Array) -> Integers:
     return sources
 
 
-def _corners(distance: Array, rise: Array, length: Array) -> tuple[Array, Flags]:
-    """Position (...,) along sides of the largest protrusion, and whether it is a sharp edge.
+def _turned(distance: Array, rise: Array) -> Flags:
+    """Whether the obstacle turns away within a part of sides (...,), as at an edge.
 
-    distance and rise (..., n) mm at PLACES; length (...,) mm of the sides.
+    distance and rise (..., n) mm at PLACES.
     """
     most = rise.argmax(axis=-1)
     slope, quarter = np.diff(distance), len(PLACES) // 4
     ends = [np.clip(most + k, 0, slope.shape[-1] - 1) for k in (-quarter - 1, quarter)]
     before, after = (np.take_along_axis(slope, k[..., None], -1)[..., 0] for k in ends)
-    turned = after - before >= TURNED * (slope[..., -1] - slope[..., 0])
-    return PLACES[most], turned & (rise.max(axis=-1) > SHARP * length)
+    return np.asarray(after - before >= TURNED * (slope[..., -1] - slope[..., 0]))
 
 
 def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:

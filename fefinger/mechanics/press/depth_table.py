@@ -49,7 +49,7 @@ UNRESOLVED = 1e-9
 STEP, LEVELS = 3e-5, 32767
 """Displacement in mm to which modes are rounded, and the most steps of one: 16 bits."""
 
-FORMAT = 6
+FORMAT = 7
 """Raised when the solver, the depths or the files change, so that tables are solved again."""
 
 PREFIX = "press-"

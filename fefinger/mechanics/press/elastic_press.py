@@ -136,7 +136,7 @@ def _solved(
         depth=solved,
         force=force,
         moment=history.moment,
-        area=areas_of_steps(history, pad, column),
+        area=areas_of_steps(press, history, pad, column),
         stiffening=stiffening(whole, fields[: len(solved)]),
         work=work,
         pressure=pressure,

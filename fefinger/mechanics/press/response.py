@@ -45,7 +45,8 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         quantities = {}
         if press.pressure:
             obstacle, bearing = press.obstacle, pressure > 0
-            surface = CandidateSurface(pad.points, pad.triangles, obstacle.axis, obstacle)
+            edges = obstacle if press.indenter.sharp else None
+            surface = CandidateSurface(pad.points, pad.triangles, obstacle.axis, edges)
             moves = press.motion.slides and not obstacle.profile.plane
             area = bearing @ pad.areas if moves else surface.area(bearing, gap)
             moment = contact.pressure @ on_pad.moment
@@ -88,7 +89,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
             quantities = of_pressure(
                 pad,
                 on_neighborhood(pressure, seen)[:, column],
-                steps.bounded(areas_of_steps(history, pad, column)),
+                steps.bounded(areas_of_steps(press, history, pad, column)),
                 steps.smooth(history.gap)[:, column],
                 steps.smooth(history.moment),
                 press.body.half,
@@ -218,16 +219,17 @@ def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, A
     return pressure, force
 
 
-def areas_of_steps(history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
+def areas_of_steps(press: Press, history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
     """Contact areas (n,) mm² of the whole, deformed finger at the steps."""
     obstacle, seen = history.contact.obstacle, history.contact.neighborhood
+    edges = obstacle if press.indenter.sharp else None
     sign = np.ones((len(column), 3))
     sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
     pressed = on_neighborhood(history.pressure, seen)[:, column] > 0
     areas = np.empty(len(history.depth))
     for step, moved in enumerate(history.moved):
         points = pad.points + sign * moved[column]
-        surface = CandidateSurface(points, pad.triangles, obstacle.axis, obstacle)
+        surface = CandidateSurface(points, pad.triangles, obstacle.axis, edges)
         areas[step] = surface.area(pressed[step][None], history.gap[step][column][None])[0]
     return areas
 
