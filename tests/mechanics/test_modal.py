@@ -75,6 +75,14 @@ def test_a_slow_press_of_stiffening_tissue_is_that_of_pressed() -> None:
     assert any("times the moduli" in note for note in other.notes)
 
 
+def test_stiffening_tissue_about_a_depth_at_which_no_vertex_is_touched_is_refused() -> None:
+    light = builtin.load("flat-press", {"finger.subject": "d.s.", "finger.resolution": "coarse"})
+    motion = ff.Vibration(preload=0.03, amplitude=0.005, frequency=100, seconds=0.02, held=0.01)
+    light = dataclasses.replace(light, indenter=ff.Sphere(5.0), motion=motion)
+    with pytest.raises(InputError, match="smaller than a facet"):
+        modal.respond(light)
+
+
 @pytest.mark.parametrize(("tissue", "base"), [("maeno1998", condensed), ("calibrated_ah", pressed)])
 def test_the_fields_of_a_slow_press_are_those_without_inertia(
     tissue: str, base: ModuleType

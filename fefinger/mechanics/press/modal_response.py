@@ -19,7 +19,7 @@ from fefinger.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.geometry.voigt import tensor_from_voigt
-from fefinger.mechanics.press import modal_press, operator, problem, tabulated_press
+from fefinger.mechanics.press import limits, modal_press, operator, problem, tabulated_press
 from fefinger.mechanics.press.fields import interpolation, small_strain_fields
 from fefinger.mechanics.press.frequency_response import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
@@ -35,6 +35,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import percent
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
@@ -170,7 +171,10 @@ def _loses(harmonic: Harmonic, scene: Scene) -> Iterator[str]:
 
 
 def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
-    """Return the static stiffness at a depth in mm over the small-strain finger's."""
+    """Return the static stiffness at a depth in mm over the small-strain finger's.
+
+    InputError where a mesh resolves no contact there.
+    """
     body = press.body
     on_pad = patch(body.space, body.pad, body.normals, press.obstacle, problem.REACH * depth)
     reduced = press.method.reduce(body, on_pad, modal_press.probe_of(replace(press, sites=None)))
@@ -180,7 +184,10 @@ def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
     projected = on_pad.projected[active]
     block = reduced.flexibility[np.ix_(active, active)]
     linear = body.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
-    return float(tangent(table, depth) / linear)
+    stiffness = tangent(table, depth)
+    if not (len(active) and stiffness > 0):
+        raise InputError(limits.unresolved(depth))
+    return float(stiffness / linear)
 
 
 def tangent(table: TabulatedPress, depth: float) -> float:
