@@ -111,18 +111,14 @@ class CandidateSurface:
             return None
         count = closed[self.triangles].sum(axis=1)
         mixed = np.flatnonzero((count > 0) & (count < 3))
+        at, edged = self._edges_along(mixed)
         sides = self.triangles[mixed][:, SIDES]
         start, end = closed[sides[..., 0]], closed[sides[..., 1]]
-        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
         crossed = start != end
-        _, few, walled = self._rises(sides, PLACES[::8], length)  # an edge shows here already
-        if not (crossed & (walled | (few.max(axis=2) > SHARP * length / 2))).any():
-            return None
-        distance, rise, walled = self._rises(sides, PLACES, length)
-        edge = crossed & (rise.max(axis=2) > SHARP * length) & (walled | _turned(distance, rise))
+        edge = crossed & edged
         if not edge.any():
             return None
-        at = np.where(edge, PLACES[rise.argmax(axis=2)], 0.5)
+        at = np.where(edge, at, 0.5)
         reach = np.where(start, at, 1 - at)
         alone = np.where(crossed, reach, 1.0).prod(axis=1)
         both = 1 - np.where(crossed, 1 - reach, 1.0).prod(axis=1)
@@ -130,19 +126,41 @@ class CandidateSurface:
         share[mixed] = np.where(count[mixed] == 1, alone, both)
         return float(share @ self._areas)
 
-    def _rises(self, sides: Integers, places: Array, length: Array) -> tuple[Array, Array, Flags]:
-        """Distance (..., n) mm of the obstacle at places of sides, and its protrusion over a chord.
+    @cached_property
+    def _known_edges(self) -> tuple[Flags, Array, Flags]:
+        """Whether triangles (n_tri,) were looked at, and what was found along their sides."""
+        count = len(self.triangles)
+        return np.zeros(count, bool), np.full((count, 3), 0.5), np.zeros((count, 3), bool)
+
+    def _edges_along(self, chosen: Integers) -> tuple[Array, Flags]:
+        """Places (n, 3) at which the obstacle turns away along the sides of triangles, and if so.
+
+        They are kept: contact ends in the same triangles again and again.
+        """
+        known, places, edged = self._known_edges
+        new = chosen[~known[chosen]]
+        known[new] = True
+        sides = self.triangles[new][:, SIDES]
+        length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
+        distance, rise, walled = self._rises(sides, length)
+        edged[new] = (rise.max(axis=2) > SHARP * length) & (walled | _turned(distance, rise))
+        places[new] = PLACES[rise.argmax(axis=2)]
+        return places[chosen], edged[chosen]
+
+    def _rises(self, sides: Integers, length: Array) -> tuple[Array, Array, Flags]:
+        """Distance (..., n) mm of the obstacle at PLACES of sides, and its protrusion over a chord.
 
         And whether sides pass a wall (...,), behind which it is not ahead. length (...,) mm: of the
         sides. Walls, and what is steeper than 45 degrees, count as that steep.
         """
         assert self.obstacle is not None
         first, last = (self.points[sides[..., end]][..., None, :] for end in (0, 1))
-        distance, _ = self.obstacle.gap((1 - places[:, None]) * first + places[:, None] * last)
+        along = PLACES[:, None]
+        distance, _ = self.obstacle.gap((1 - along) * first + along * last)
         ahead = np.isfinite(distance)
         walled = np.asarray(ahead.any(axis=-1) & ~ahead.all(axis=-1))
         distance = np.minimum(distance, (distance.min(axis=-1) + length)[..., None])
-        chord = (1 - places) * distance[..., :1] + places * distance[..., -1:]
+        chord = (1 - PLACES) * distance[..., :1] + PLACES * distance[..., -1:]
         rise = np.where(np.isfinite(distance), chord - distance, 0.0)
         return np.where(np.isfinite(distance), distance, 0.0), rise, walled
 

@@ -70,7 +70,10 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
         spent += bodies * seconds(mechanics, "fields", case.mesh)
     grows = coefficients()
     factor = grows["sliding"] if case.motion.slides else 1.0
-    factor *= grows["gripping"] if case.indenter.friction else 1.0
+    if case.indenter.friction:
+        factor *= grows["gripping"]
+        if not case.motion.slides:  # the matrix of twice the candidates has four times the entries
+            factor *= (grows["forced"] if case.motion.by_force else 1.0) * (1 if case.half else 4)
     spent += len(case.times) * seconds(mechanics, "step", case.mesh) * factor
     areas = case.changes if case.ask.pressure else 0
     return spent + areas * seconds(mechanics, "area", case.mesh) + _organs(mechanics, case)

@@ -118,3 +118,22 @@ def test_end_organs_are_counted_before_they_are_placed(kind) -> None:
     ask = ff.Ask(spikes=("SAI", "FAI"), population=layout)
     assert unit_counts.organs(ask) == pytest.approx(expected, rel=0.02)
     assert unit_counts.organs(replace(ask, population=None)) == pytest.approx(2)
+
+
+def test_a_grip_that_creeps_costs_as_many_steps_as_it_took(monkeypatch) -> None:
+    """Under 0.5 N for 30 s with a coefficient of 1.5 (`linear`, coarse mesh) 1.3 s of contact.
+
+    On a whole finger, under letters, 5.3 s (CPU seconds on the machine of the reports).
+    """
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
+    motion = ff.Trapezoid(loading_rate=1.0, force=0.5, hold=30.0)
+    monkeypatch.setattr(costs, "slowness", lambda _: 1.0)
+    for half, took in ((True, 1.3), (False, 5.3)):
+        seconds = []
+        for friction in (0.0, 1.5):
+            plate = ff.Flat(30, tilt=0 if half else 5, friction=friction)
+            scene = ff.Scene(finger=finger, indenter=plate, motion=motion)
+            case = Situation.of(scene)
+            assert case.half == half
+            seconds.append(costs.linear_seconds(case))
+        assert took / 2 < seconds[1] - seconds[0] < 2 * took
