@@ -52,14 +52,18 @@ class GridSolver:
 
     def __init__(self, compliance: Array, points: tuple[int, int]) -> None:
         self.points, count = points, points[0] * points[1]
+        self.give(compliance)
+        self.x, self.moved, self._rigid = np.zeros(count), np.zeros(count), 0.0
+        self.place, self.counts = np.full(count, -1, dtype=np.int64), np.zeros(2, dtype=np.int64)
+
+    def give(self, compliance: Array) -> None:
+        """Set the compliance, with what follows from it."""
         self.compliance = np.array(compliance, dtype=np.float64)
         stiffness = 1.0 / np.abs(self.compliance.ravel()[1:])
         # The mean is as stiff as the longest wave: without it that compliance may be 0.
         least = np.append(stiffness.min(), stiffness).reshape(self.compliance.shape)
         self._single = self.compliance.astype(np.float32)
         self._stiffness = least.astype(np.float32)
-        self.x, self.moved, self._rigid = np.zeros(count), np.zeros(count), 0.0
-        self.place, self.counts = np.full(count, -1, dtype=np.int64), np.zeros(2, dtype=np.int64)
 
     @property
     def rigid(self) -> float:
@@ -73,9 +77,7 @@ class GridSolver:
 
     def displacement(self, pressure: Array) -> Array:
         """Return F x (n,) mm of a pressure x (n,) kPa."""
-        waves = fft.rfft2(pressure.reshape(self.points))
-        waves *= self.compliance
-        return np.asarray(fft.irfft2(waves, self.points)).ravel()
+        return displacement(pressure, self.compliance, self.points)
 
     def clear(self) -> None:
         """Return to no contact."""
@@ -136,6 +138,12 @@ class GridSolver:
             before, product = rest, now
         w.put(self.x, x)
         return outcome
+
+
+def displacement(pressure: Array, compliance: Array, points: tuple[int, int]) -> Array:
+    """Return the displacement (n,) mm of a pressure (n,) kPa, by the compliance of every wave."""
+    waves = fft.rfft2(pressure.reshape(points)) * compliance
+    return np.asarray(fft.irfft2(waves, points)).ravel()
 
 
 @njit(cache=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from fefinger.contact.active_set import DONE, ENDLESS, TURNED
 from fefinger.contact.force_control import DEPTH
-from fefinger.contact.grid_solver import ITERATIONS, GridSolver
+from fefinger.contact.grid_solver import ITERATIONS, GridSolver, displacement
 from fefinger.contact.prony_history import (
     PronyHistory,
     load_history,
@@ -120,12 +120,16 @@ class GridStepper(Stepper):
         """Force in mN on the grid."""
         return float(self.pressure.sum()) * self.area
 
+    def displacement(self, x: Array) -> Array:
+        """Return the displacements in mm of the body under stresses in kPa."""
+        return self.solver.displacement(x)
+
     def energy(self) -> float:
         """Return the stored energy in µJ."""
-        m, displacement = self.history, self.solver.displacement
+        m = self.history
         stored = float(m.elastic @ m.moved_elastic)
         for weight, term in zip(m.weights, m.terms, strict=True):
-            stored += float(term @ displacement(term)) / weight if weight > 0.0 else 0.0
+            stored += float(term @ self.displacement(term)) / weight if weight > 0.0 else 0.0
         return stored * self.area / 2
 
     def record(self) -> Record:
@@ -161,7 +165,53 @@ class GridContact(GridStepper):
         tolerance: float = CLOSED,
     ) -> None:
         history = prony_history(branches, points[0] * points[1])
-        super().__init__(GridSolver(compliance, points), history, spacing, gap, tolerance)
+        self.on_grid = GridSolver(compliance, points)
+        super().__init__(self.on_grid, history, spacing, gap, tolerance)
+
+
+class SoftGridContact(GridContact):
+    """Frictionless contact of a body on a periodic grid with an elastic object.
+
+    The object gives way by C p at once, as in `soft.py`: the step has the compliance F + g C, and
+    the history, which is of the body alone, needs F p.
+
+    own: C (n_x, n_y // 2 + 1) mm/kPa of every wave; the rest as of `GridContact`.
+    """
+
+    def __init__(
+        self,
+        own: Array,
+        compliance: Array,
+        points: tuple[int, int],
+        spacing: float,
+        gap: Heights,
+        branches: tuple[Array, Array],
+        *,
+        tolerance: float = CLOSED,
+    ) -> None:
+        super().__init__(compliance, points, spacing, gap, branches, tolerance=tolerance)
+        self.own, self.compliance, self._gain = np.array(own), np.array(compliance), 0.0
+
+    def displacement(self, x: Array) -> Array:
+        """Return the displacements (n,) mm of the body alone under a pressure (n,) kPa."""
+        return displacement(x, self.compliance, self.on_grid.points)
+
+    def _begin(self, dt: float, target: Target) -> float:
+        g = super()._begin(dt, target)
+        if g != self._gain:  # exact: the same length of step gives the same number
+            self.on_grid.give(self.compliance + g * self.own)
+            self._gain = g
+        return g
+
+    def _finish(self, dt: float, g: float) -> None:
+        pressure = self.solver.x
+        store_history(self.history, pressure, self.displacement(pressure), dt, g)
+
+    def energy(self) -> float:
+        """Return the stored energy of both bodies in µJ."""
+        p = self.pressure
+        own = float(p @ displacement(p, self.own, self.on_grid.points)) * self.area / 2
+        return super().energy() + own
 
 
 def beside(ended: Flags) -> Flags:

@@ -6,7 +6,8 @@ first press of a stack takes a quarter of a second, another one some 30 ms
 (`reports/afferent-cost.json`).
 
 That is for plates, balls and ellipsoids, which only press a smooth pad. Every other object, a path
-and a pad with ridges are solved on a grid (`press/layer_press.py`), and so is friction.
+and a pad with ridges are solved on a grid (`press/layer_press.py`), and so are friction and
+soft objects.
 """
 
 import math
@@ -66,8 +67,8 @@ NOTES = (
 ON_GRID = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
     "the tip and the nail are left out, and the bone is flat. The pad is a paraboloid.",
-    "Small strain, a rigid object; the pressure acts along the travel, not along the slopes of the "
-    "object, and the skin meets the heights ahead of its undeformed points.",
+    "Small strain; the pressure acts along the travel, not along the slopes of the object, and the "
+    "skin meets the heights ahead of its undeformed points.",
     "The whole stress relaxes with one function G(t). Stated errors are those of a press without a "
     "path, friction or ridges.",
     notes.QUASISTATIC,
@@ -172,9 +173,9 @@ def deepest(case: Situation, enough: float) -> float:
 
 
 def on_grid(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
-    """Return whether a press takes a grid: all but a round object on a smooth pad, which slips."""
-    round_ = indenter.hertzian is not None and not indenter.friction
-    return not round_ or motion.slides or _ridges(finger) is not None
+    """Return whether a press takes a grid: all but a hard, smooth, round object on a smooth pad."""
+    round_ = indenter.hertzian is not None and indenter.soft_body is None
+    return indenter.friction > 0 or not round_ or motion.slides or _ridges(finger) is not None
 
 
 def _ridges(finger: Finger) -> Ridges | None:
@@ -251,7 +252,6 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     except InputError as error:
         return (Refusal(name, "ability", str(error), "finger.skin.thickness"),)
     unable = _grid_refusals(case) if gridded else hertz.lacking(case)
-    unable += notes.soft_reasons(case.indenter)
     deepest = max(dict(case.ask.depths).values(), default=0)
     if deepest >= bone:
         reason = f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm"
@@ -338,5 +338,10 @@ def _respond_on_grid(scene: Scene, progress: Progress | None) -> Response:
         lambda: axisymmetric.small_press(scene.ask, finger.pulp, _plate(finger)),
         Stages(progress),
         mechanics=name,
-        notes=(*ON_GRID, *causes(finger, indenter), *notes.normalization_notes(finger.prony)),
+        notes=(
+            *ON_GRID,
+            notes.object_note(indenter),
+            *causes(finger, indenter),
+            *notes.normalization_notes(finger.prony),
+        ),
     )

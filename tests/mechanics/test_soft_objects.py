@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.mechanics import condensed, get, linear, modal, solid
+from fefinger.mechanics import condensed, get, layered, linear, modal, solid
 from fefinger.mechanics.press.notes import RIGID_OBJECT
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
@@ -134,7 +134,21 @@ def test_solid_holds_a_force_on_a_soft_ball() -> None:
     assert found.depth[-1] == pytest.approx(small.depth[-1], rel=0.02)
 
 
-@pytest.mark.parametrize("name", ["lumped", "layered", "pressed"])
+def test_on_layers_a_soft_ball_is_as_much_softer_than_a_hard_one_as_on_the_mesh() -> None:
+    balls = ff.Sphere(6, modulus=30), ff.Sphere(6, modulus=30, thickness=4), ff.Sphere(6)
+    motion, ask = ff.RampHold(20, 0.5, hold=0.1), {"strain": False}
+    forces = [
+        [each.respond(scene(ball, motion, **ask)).force.max() for ball in balls]
+        for each in (layered, condensed)
+    ]
+    on_layers, on_mesh = (np.array(each[:2]) / each[2] for each in forces)
+    assert on_layers == pytest.approx(on_mesh, rel=0.1)  # the pad itself is 13 % stiffer there
+    notes = layered.respond(scene(balls[0], motion, **ask)).notes
+    assert sum("30 kPa" in each for each in notes) == 1
+    assert RIGID_OBJECT not in notes
+
+
+@pytest.mark.parametrize("name", ["lumped", "pressed"])
 def test_a_mechanics_of_rigid_objects_refuses(name: str) -> None:
     refusals = get(name).refuse(Situation.of(scene(ff.Flat(30, modulus=50))))
     (refusal,) = (each for each in refusals if each.field == "indenter.modulus")

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, sparse
+from scipy import fft, sparse, special
 from scipy.interpolate import CubicSpline
 
 from fefinger.contact.grid_coulomb import Flexibility
@@ -137,6 +137,22 @@ class LayerGrid:
     def waves(self, stress: Array) -> Waves:
         """Return the Fourier transforms (k, n, n // 2 + 1) of stresses, k times (n, n) or (n²,)."""
         return np.asarray(fft.rfft2(np.reshape(stress, (-1, self.points, self.points))))
+
+
+def object_compliance(body: Stack, grid: LayerGrid) -> Array:
+    """Return the displacement in mm of the surface of a soft object per kPa of every wave.
+
+    Of a half-space the kernel 1 / r is cut off at half a period, so that nothing comes from the
+    images of a contact that is no wider than that (after Vico, Greengard and Ferrando, J. Comput.
+    Phys. 323:191, 2016); its transform is an integral of the Bessel function J0.
+    """
+    if body.thickness < math.inf:
+        return LayerGrid(body, grid.points, grid.spacing, grid.width).compliance
+    modulus, poisson = body.surface
+    reach = grid.period / 2
+    xi = wavenumbers(grid.points, grid.spacing)
+    xi[0, 0] = UNIFORM
+    return np.asarray(2 * (1 - poisson**2) / modulus * special.itj0y0(xi * reach)[0] / xi)
 
 
 def wavenumbers(points: int, spacing: float) -> Array:

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from fefinger.contact.gridded import GridContact, GridStepper
+from fefinger.contact.gridded import GridContact, GridStepper, SoftGridContact
 from fefinger.contact.gridded_friction import GridFriction
 from fefinger.contact.march import Prescribed, collected
 from fefinger.contact.stepper import Record
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press.axisymmetric import Touch
 from fefinger.mechanics.press.layer_gap import LayerGap, first_touch, pad_of, window
-from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe
+from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe, object_compliance
 from fefinger.mechanics.press.limits import check_reached
 from fefinger.mechanics.press.sites import end_organ_sites, spherical
 from fefinger.mechanics.press.slip import told
@@ -114,6 +114,9 @@ class LayerPress:
     def _contact(self) -> GridStepper:
         grid, indenter, branches = self.grid, self.scene.indenter, self.scene.finger.prony.branches
         shape, rest = (grid.points, grid.points), (grid.spacing, self.gap, branches)
+        if indenter.soft_body is not None:
+            own = object_compliance(indenter.soft_body, grid)
+            return SoftGridContact(own, grid.compliance, shape, *rest)
         if not indenter.friction:
             return GridContact(grid.compliance, shape, *rest)
         return GridFriction(grid.flexibility, shape, (indenter.friction, indenter.kinetic), *rest)
@@ -162,7 +165,7 @@ class LayerPress:
         """Return the displacement by periodic images over the largest one in the contact."""
         shape = (self.grid.points, self.grid.points)
         pressure = contact.pressure.reshape(shape)
-        moved = contact.solver.moved[: pressure.size].reshape(shape)
+        moved = contact.displacement(contact.solver.x)[: pressure.size].reshape(shape)
         return self.grid.images(pressure, moved) / float(np.abs(moved[pressure > 0]).max())
 
 
