@@ -23,6 +23,8 @@ from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import AGREES, FitResult, checked, outcome, refuse_gross
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.record_checks import GIVES, findings, of_motor
+from fefinger.calibration.record_target import RecordTarget
 from fefinger.calibration.rig import Rig
 from fefinger.calibration.slow_press import PART
 from fefinger.calibration.targets import Target
@@ -224,9 +226,11 @@ class Search:
             misfit(result.solution.misfit)
         with work.stage("array"):
             shape = self._array(result) if has_frames else {}
+        told = self._told(trial.curves, radius, result)
         adapted, ripple = replace(start, pad_radius=radius), trial.curves.ripple
         fit_remarks = (*work.ended(result.law.curve.deepest), *_undetermined(radius, power))
-        return outcome(adapted, result, work.stages, "solid", shape, ripple, fit_remarks)
+        found = outcome(adapted, result, work.stages, "solid", shape, ripple, fit_remarks)
+        return replace(found, findings=told)
 
     def _wide_enough(self, radius: float) -> Family:
         """Make the coarse family, with more exponents where the best one does not suffice.
@@ -269,7 +273,8 @@ class Search:
         forces = self._forces(curves, radius, radius_sd)
         if near is not None:
             forces = replace(forces, target=near.target)
-        starts = forces.starts() if near is None else [near.solution.values]
+        known = {each.name: each.start for each in forces.unknowns}
+        starts = forces.starts() if near is None else [known | near.solution.values]
         rough = solve(forces.residual, forces.unknowns, starts)
         forces = forces.weighed(rough.values)
         solution = solve(forces.residual, forces.unknowns, [rough.values])
@@ -361,6 +366,19 @@ class Search:
         frames = pad.slow_press(unlimited.law)[-1]
         deep = max(float(frames), self._reach(unlimited))
         return min(round(DEEPER * deep, 2), curves.deepest)
+
+    def _told(self, curves: Family, radius: float, result: FitResult) -> tuple[str, ...]:
+        """Return what is wrong with a record, by its trace and by a fit with a rig that gives."""
+        target, solution = result.target, result.solution
+        if not isinstance(target, RecordTarget):
+            return ()
+        told = findings(target, solution.values, solution.deviations)
+        if target.rig.compliance != Rig.compliance:
+            return told
+        gives = replace(target, rig=replace(target.rig, compliance=(0.0, GIVES)))
+        with self.work.stage("rig that gives"):
+            other = self._solved(curves, radius, replace(result, target=gives)).solution
+        return told + of_motor(other.values["compliance"], other.deviations["compliance"])
 
     def _array(self, result: FitResult) -> dict[str, float]:
         """Parameters of the thesis's fit of simulated and of measured frames, by name."""

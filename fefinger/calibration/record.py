@@ -109,7 +109,7 @@ class Calibration:
     parameters; correlations (n, n) of them, in their order; residuals: misfits by name;
     unidentified: sentences; stages; status: one sentence; skin, subcutaneous: the layers; prony: G;
     deepest mm, q, shares and growth: the relaxed curve (see `Curve`); checks: predictions of what
-    was not fitted, by name.
+    was not fitted, by name; findings: sentences on the record and its rig.
     """
 
     target: str
@@ -129,6 +129,7 @@ class Calibration:
     shares: tuple[tuple[float, ...], ...]
     growth: float | None
     checks: dict[str, dict[str, float]] = field(default_factory=dict)
+    findings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """Show parameters, misfits, stages and what is not identified, not the curve."""
@@ -165,6 +166,7 @@ class Calibration:
             table(misfits, ("", "")),
             table(stages, ("stage", "CPU s", "presses, CPU s", "misfit")),
         ]
+        parts += [f"record: {each}" for each in self.findings]
         return "\n".join([*parts, *(f"not identified: {each}" for each in self.unidentified)])
 
     def __getitem__(self, name: str) -> Parameter:

@@ -1,0 +1,76 @@
+"""Faults of a record and its rig are told by their trace, with the number, and no other is."""
+
+import numpy as np
+import pytest
+
+from fefinger.calibration import record_file
+from fefinger.calibration.curve import ForceLaw
+from fefinger.calibration.record_checks import findings, of_motor
+from fefinger.theory.relaxation import Prony
+
+
+PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
+FIT = {"x0": 0.4, "delay": 0.02, "offset": 0.3, "drift": 0.1, "v1": 220.0}
+SURE = dict.fromkeys(FIT, 0.05)
+
+
+def press(law, rest=0.1, rate=5e3):
+    """Return a record (n_t, 3): s, mm and N, with the noise of a good rig."""
+    time = np.arange(0.0, 2.0, 1 / rate)
+    path = np.clip(60 * (time - rest), 0.0, 1.8)
+    force = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7).loading(time, path - 0.4)
+    off = 2e-3 * np.random.default_rng(0).normal(size=(2, len(time)))
+    return np.column_stack([time, path + off[0], force + off[1]])
+
+
+def touched_before(table):
+    first = (table[:, 0] > 0.02) & (table[:, 0] < 0.06)
+    table[first, 2] += 0.3 * np.sin(np.pi * (table[first, 0] - 0.02) / 0.04)
+    return table
+
+
+def slipped(table):
+    late = table[:, 0] - 0.124
+    table[late > 0, 2] *= 1 - 0.4 * np.exp(-late[late > 0] / 0.004)
+    return table
+
+
+def saturated(table):
+    top = 0.97 * table[:, 2].max()
+    return np.column_stack([table[:, :2], np.minimum(table[:, 2], top)])
+
+
+def begun_late(table):
+    return table[table[:, 0] > 0.105]
+
+
+FAULTS = {
+    "none": (lambda t: t, {}, ()),
+    "late": (lambda t: t, {"delay": 1.98}, ("the force is 1.98 +- 0.05 ms late",)),
+    "offset": (lambda t: t, {"offset": -20.0}, ("the force reads -20 +- 0.05 mN without",)),
+    "drift": (lambda t: t, {"drift": 8.0}, ("the force drifts by 8 +- 0.05 mN/s",)),
+    "two touches": (touched_before, {}, ("two touches: 0.3 N already at 0.03",)),
+    "slip": (slipped, {}, ("slip: the force falls by",)),
+    "saturated": (saturated, {}, ("saturated sensor: ",)),
+    "no rest": (begun_late, {}, ("no free stretch: ",)),
+    "slow sampling": (lambda t: t[::5], {}, ("sampling: 2", "samples on the ramp")),
+}
+
+
+@pytest.mark.parametrize(("spoil", "values", "words"), FAULTS.values(), ids=FAULTS)
+def test_a_fault_is_told_and_no_other(law, spoil, values, words):
+    table = spoil(press(law))
+    target = record_file.made("twin", *table.T, "coarse")
+    found = findings(target, FIT | values, SURE)
+    assert len(found) == bool(words)
+    for word in words:
+        assert word in found[0]
+
+
+def test_a_press_of_several_is_named_and_a_give_told(law):
+    target = record_file.made("twin", *press(law).T, "coarse", press=" 2")
+    values = FIT | {"offset 2": 30.0, "drift 2": 0.0, "x0 2": 0.4}
+    (told,) = findings(target, values, SURE | dict.fromkeys(values, 0.05))
+    assert told.startswith("press 2: the force reads 30 ")
+    assert of_motor(0.01, 0.01) == ()
+    assert "includes 0.04 +- 0.01 mm/N of the rig's own give" in of_motor(0.04, 0.01)[0]
