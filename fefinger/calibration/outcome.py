@@ -13,6 +13,7 @@ from fefinger.calibration.force import MODULUS, RADIUS, RATIO, SHAPE
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
 from fefinger.calibration.record_target import RecordTarget
+from fefinger.calibration.rig import Rig
 from fefinger.calibration.targets import TOUCH, Target, errors
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene import library
@@ -108,22 +109,24 @@ def outcome(
     )
 
 
-def checked(done: Calibration, motion: tuple[Array, Array, Array]) -> Calibration:
+def checked(done: Calibration, motion: tuple[Array, Array, Array], rig: Rig) -> Calibration:
     """Add the errors of the prediction of a motion (n_t,) s, mm, N that was not fitted.
 
-    The touch is taken from the record that was fitted.
+    Touch and delay are taken from the first record that was fitted.
     """
     time, position, force = motion
     model = done.predict(time, position - done[TOUCH].value)
+    late = done["delay"].value if rig.is_loose("delay") else rig.delay[0]
+    model = np.interp(time - 1e-3 * late, time, model)
     return replace(done, checks=done.checks | {"record that was not fitted": errors(force, model)})
 
 
 def refuse_gross(done: Calibration, wanted: RecordTarget) -> None:
     """Raise ConvergenceError for a finger that does not reproduce the record it was fitted to."""
-    error = done.residuals.get("mse", 0.0)
+    error = done.residuals.get("mse" + wanted.press, 0.0)
     if error <= GROSS:
         return
-    less, deep = "", float(wanted.position.max()) - done[TOUCH].value
+    less, deep = "", float(wanted.position.max()) - done[wanted.touch].value
     if deep > done.deepest:
         less = f"press less deep than {done.deepest:.2g} mm, where its presses end, and "
     lumped = [f"in the lumped fit of the record, {each}" for each in wanted.lumped.warnings]

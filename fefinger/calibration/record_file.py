@@ -23,9 +23,6 @@ LIVELY = 1e-3
 STIFFNESS = (0.02, 100.0)
 """Range in N/mm of a fingertip's stiffness at half of its largest force, with a wide margin."""
 
-RETURN = 0.1
-"""Smallest return of the indenter over its travel for a record to count as unloading."""
-
 FEWEST = 4
 """Fewest samples of a motion to predict."""
 
@@ -135,25 +132,20 @@ def check_depth(wanted: RecordTarget, finger: Finger) -> None:
         )
 
 
-def unloading(
+def motion(
     file: str | Path, columns: Mapping[str, str] | None = None
 ) -> tuple[Array, Array, Array]:
-    """Read time s, position mm and force N, each (n,), of a record with unloading, for prediction.
+    """Read time s, position mm and force N, each (n,), of a press or motion for prediction.
 
-    Raises InputError as `lumped_fit.read`, or if the indenter does not return.
+    The force is tared by the rest before contact, if there is one. Raises InputError as
+    `lumped_fit.read`.
     """
     time, position, force = lumped_fit.read(
         file, fewest=FEWEST, of="a motion to predict", columns=columns
     )
-    top = int(np.argmax(position))
-    way = float(position[top] - position[0])
-    back = float(position[top] - position[top:].min())
-    if back < RETURN * way:
-        raise InputError(
-            f"{file}: expected a record with unloading, such as a sinusoid or a retraction, as "
-            f"loading was fitted, received one that returns {back:.3g} of {way:.3g} mm"
-        )
-    return time, position, force
+    free = free_samples(force)
+    tare = float(force[:free].mean()) if FREE <= free < len(force) else 0.0
+    return time, position, force - tare
 
 
 def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:

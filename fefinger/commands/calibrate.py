@@ -39,13 +39,13 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 
 
 @click.command()
-@click.argument("data", metavar="DATA.csv")
+@click.argument("data", metavar="DATA.csv...", nargs=-1, required=True)
 @click.option("--subject", metavar="NAME", help="Subject of Pawluk (1997) whose finger size it is.")
 @click.option("--width", type=float, help="Width of the fingertip in DATA.csv in mm.")
 @click.option("--thickness", type=float, help="Thickness of that fingertip in mm.")
 @click.option("--pad-radius", type=float, help="Effective pad radius of that fingertip in mm.")
 @click.option("--frames", metavar="FILE", help="CSV of a slow press: time, position, p1 to p64.")
-@click.option("--check", metavar="FILE", help="Record of a motion to predict, not to fit.")
+@click.option("--check", metavar="FILE", help="Record of a press or motion to predict, not to fit.")
 @column_option
 @click.option("--rig", metavar="FILE", help="TOML file of what the rig does, such as its delay.")
 @click.option("--delay", type=float, help="Time in ms by which the force is late; else fitted.")
@@ -60,7 +60,7 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 @output_option("calibration.json and, by solid, tissue.toml")
 @json_option
 def calibrate(
-    data: str,
+    data: tuple[str, ...],
     subject: str | None,
     width: float | None,
     thickness: float | None,
@@ -78,7 +78,8 @@ def calibrate(
     """Fit the tissue of a finger to a ramp and hold.
 
     DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time,
-    position and force, in any order and unit: text, .lvm, .mat or HDF5. Solved presses are cached:
+    position and force, in any order and unit: text, .lvm, .mat or HDF5. Several presses of one
+    finger, at other speeds or depths, are fitted together. Solved presses are cached:
     an interrupted calibration continues where it stopped. On a coarse mesh solid takes some 1.5
     minutes of CPU and condensed 15 s; on the standard mesh solid takes longer, by one to six
     presses.
@@ -96,8 +97,8 @@ def calibrate(
     missing = [name for name in ("width", "thickness") if name not in size]
     if subject is None and missing:
         raise InputError(
-            f"--{missing[0]}: expected the size of the finger in {data} in mm, received none; give "
-            "--width and --thickness, or --subject"
+            f"--{missing[0]}: expected the size of the finger in {data[0]} in mm, received none; "
+            "give --width and --thickness, or --subject"
         )
     finger = finger_of(subject, **size)
     of_rig = Rig() if rig is None else Rig.from_toml(rig)

@@ -16,7 +16,7 @@ from fefinger.validation.calibration.subject_target import (
 
 import fefinger as ff
 from fefinger.__main__ import main
-from fefinger.calibration import calibrate, pad_radius, press_store, record_file, targets
+from fefinger.calibration import pad_radius, press_store, record_file, search, targets
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.outcome import refuse_gross, stiffening
 from fefinger.calibration.record import Calibration, Parameter, Stage
@@ -134,6 +134,31 @@ def test_what_a_rig_does_is_found_beside_the_finger(tmp_path, solved, law, write
     assert found["offset"].sd < 2
 
 
+def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
+    tmp_path, solved, law, write
+):
+    """Each has its own touch and offset; they share a delay of 0.8 ms."""
+    finger, files = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7), []
+    rng = np.random.default_rng(2)
+    for speed, x0, offset in ((60.0, 0.4, 0.02), (15.0, 0.5, -0.01), (30.0, 0.4, 0.03)):
+        time = np.arange(0.0, 2.0, 4e-4)
+        path = np.clip(speed * (time - 0.05), 0.0, 1.9)
+        force = np.interp(time - 8e-4, time, finger.loading(time, path - x0)) + offset
+        off = 3e-3 * rng.normal(size=(2, len(time))) * (speed != 30.0)
+        table = np.column_stack([time, path + off[0], force + off[1]])
+        files.append(write(tmp_path / f"{speed:g}.csv", table))
+    of_ah = targets.finger_of("a.h.")
+    found = ff.calibrate(files[:2], finger=of_ah, resolution="coarse", check=files[2])
+    truth = {"exponent": 2.4, "x0": 0.4, "x0 2": 0.5, "delay": 0.8, "offset": 20, "offset 2": -10}
+    for name, value in truth.items():
+        assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
+    assert found.target == f"{files[0]}, {files[1]}"
+    assert found.checks["record that was not fitted"]["mse"] < 1e-3
+    assert found.residuals["mse 2"] < 1e-4
+    with pytest.raises(InputError, match="the file of a record or more, received none"):
+        ff.calibrate([], finger=of_ah)
+
+
 def test_a_record_that_shows_fewer_terms_is_calibrated(tmp_path, solved, law, write, monkeypatch):
     def joint(*record, terms):
         if terms == 3:
@@ -204,9 +229,9 @@ def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
 
 
 def test_a_pad_radius_that_the_frames_do_not_determine_is_told():
-    assert calibrate._undetermined(14.0, pad_radius.DETERMINED) == ()
-    assert calibrate._undetermined(14.0, None) == ()
-    (said,) = calibrate._undetermined(14.0, 0.3)
+    assert search._undetermined(14.0, pad_radius.DETERMINED) == ()
+    assert search._undetermined(14.0, None) == ()
+    (said,) = search._undetermined(14.0, 0.3)
     assert said.endswith("hardly depends on it (as its power 0.3), so it remains 14 mm")
 
 
@@ -216,10 +241,10 @@ def test_a_pad_radius_whose_r_is_as_printed_remains(monkeypatch, fitted, radius)
     work = press_store.Work(targets.finger_of("a.h."), None)
     smaller = fitted * 0.9**1.63
     fits = iter((fitted, smaller))
-    monkeypatch.setattr(calibrate.Search, "_solved", lambda *given: None)
-    monkeypatch.setattr(calibrate, "pad_fit", lambda result: SimpleNamespace(radius=next(fits)))
-    search = calibrate.Search(work, target_of("a.h."), None, printed("a.h."))
-    found, power = search._radius(None, (14.0, 12.6), None)
+    monkeypatch.setattr(search.Search, "_solved", lambda *given: None)
+    monkeypatch.setattr(search, "pad_fit", lambda result: SimpleNamespace(radius=next(fits)))
+    found_by = search.Search(work, target_of("a.h."), None, printed("a.h."))
+    found, power = found_by._radius(None, (14.0, 12.6), None)
     assert (found, power) == (radius, pytest.approx(1.63))
 
 

@@ -124,12 +124,10 @@ def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
         record_file.check_depth(found, Finger(width=14, thickness=1.9 * deep, tissue="maeno1998"))
 
 
-def test_a_record_to_be_predicted_has_to_unload(tmp_path, write):
-    with pytest.raises(InputError, match="expected a record with unloading"):
-        record_file.unloading(write(tmp_path / "a.csv", trial()))
-    back = trial()
-    back[:, 1] = 1.5 - 0.5 * np.cos(4 * back[:, 0]) * (back[:, 0] > 0.2) - 1.5 * (back[:, 0] <= 0.2)
-    assert len(record_file.unloading(write(tmp_path / "b.csv", back))) == 3
+def test_a_motion_to_be_predicted_is_tared_by_the_rest_before_contact(tmp_path, write):
+    table = changed(trial(), 2, lambda f: f + 0.05)
+    _, _, force = record_file.motion(write(tmp_path / "a.csv", table))
+    np.testing.assert_allclose(force, trial()[:, 2], atol=3e-3)
 
 
 HEADS = "time,position," + ",".join(f"p{i}" for i in range(1, 65))

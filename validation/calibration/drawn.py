@@ -15,13 +15,14 @@ from typing import Any
 import numpy as np
 from fefinger.validation.calibration.rigs import REST, Faults, Press, solid_press, start
 
-from fefinger.calibration.calibrate import AGAINST, EXPONENTS, MIDDLE, calibrate
+from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.curve import Family, ForceLaw, family
 from fefinger.calibration.force import RATE_SD, RATIO_SD, SHARE_SD
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.record_target import LENGTH, MESH
 from fefinger.calibration.rig import Rig
+from fefinger.calibration.search import AGAINST, EXPONENTS, MIDDLE
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony

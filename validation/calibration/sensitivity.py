@@ -15,13 +15,13 @@ from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.array_sensor import ArraySensor, Frames, aligned, blurred
-from fefinger.calibration.calibrate import SMALLER
 from fefinger.calibration.curve import family
 from fefinger.calibration.force import Forces
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import FitResult, layer, line, stiffening
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.search import SMALLER
 from fefinger.calibration.slow_press import SlowPress, press
 from fefinger.scene import library, pawluk1997
 from fefinger.scene.finger import Finger

@@ -12,10 +12,10 @@ import numpy as np
 from fefinger.validation.calibration.subject_target import target_of
 
 from fefinger.calibration import slow_press, targets
-from fefinger.calibration.calibrate import EXPONENTS
 from fefinger.calibration.curve import curve
 from fefinger.calibration.outcome import line, stiffening
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.search import EXPONENTS
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 

@@ -12,13 +12,13 @@ from typing import Self
 import numpy as np
 
 from fefinger.calibration import targets
-from fefinger.calibration.calibrate import Search
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.outcome import line
 from fefinger.calibration.pad_radius import PadFit
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
+from fefinger.calibration.search import Search
 from fefinger.calibration.targets import LumpedLaw, errors
 from fefinger.scene import pawluk1997
 from fefinger.scene.finger import Finger
