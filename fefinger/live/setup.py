@@ -11,6 +11,7 @@ from fefinger.fem.body import solid
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.loop_setup import MECHANICS, PRESSED
+from fefinger.mechanics.press.discretization import needs_continuation, refinement_location
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Sites
@@ -19,6 +20,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD, Bar, Cylinder, Flat, Sphere
+from fefinger.scene.motions import Ramp
 from fefinger.scene.population import Scatter
 from fefinger.support.checks import boolean, choice, number, reject_unknown
 from fefinger.support.progress import Progress
@@ -114,10 +116,9 @@ class Setup:
 
     def loop(self, resolution: str, progress: Progress | None = None) -> Loop:
         """Prepare the loop; errors as those of `Loop`."""
-        finger = self.finger(resolution)
-        sites = population_sites(finger, self.ask) if self.units == MANY else None
+        sites = population_sites(self, resolution) if self.units == MANY else None
         return Loop(
-            finger,
+            self.finger(resolution),
             self.indenter,
             mechanics=self.mechanics,
             deepest=DEEPEST,
@@ -131,8 +132,12 @@ def subjects() -> tuple[str, ...]:
     return tuple(pawluk1997.lumped())
 
 
-def population_sites(finger: Finger, ask: Ask) -> Sites:
-    """Return the end organs of the population of `ask`, at the places that a run gives them."""
-    body = solid(load_or_build(finger, half=True), (SKIN, SUBCUTANEOUS))
+def population_sites(setup: Setup, resolution: str) -> Sites:
+    """Return the end organs of the population of a choice, at the places that a run gives them."""
+    finger, indenter, ask = setup.finger(resolution), setup.indenter, setup.ask
+    touch = refinement_location(indenter) if setup.mechanics == PRESSED else None
+    long = needs_continuation(finger, indenter, Ramp(1.0, DEEPEST, corner=0.0))
+    mesh = load_or_build(finger, half=True, touch=touch, with_continuation=long)
+    body = solid(mesh, (SKIN, SUBCUTANEOUS))
     skin = partial(meshed, body.space.points, body.pad, body.normals, half=True)
     return end_organ_sites(ask, finger.pulp, np.zeros(3), direction(STANDARD), skin)

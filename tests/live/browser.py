@@ -118,9 +118,9 @@ class Tab:
                 "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code
             )
 
-    async def picture(self, path: Path) -> None:
-        """Write a picture of the page to a PNG file."""
-        said = await self.ask("Page.captureScreenshot", format="png", captureBeyondViewport=True)
+    async def picture(self, path: Path, *, whole: bool = True) -> None:
+        """Write a picture of the page, or of what is seen of it, to a PNG file."""
+        said = await self.ask("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
         path.write_bytes(base64.b64decode(said["data"]))
 
 

@@ -8,8 +8,10 @@ import pytest
 import fefinger as ff
 from fefinger.live.picture import Picture
 from fefinger.live.player import ABOVE, PRESETS, Player
-from fefinger.live.setup import OBJECTS, Setup
-from fefinger.mechanics.loop import Loop
+from fefinger.live.setup import OBJECTS, Setup, population_sites
+from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.tabulated_press import METHOD
+from fefinger.support.progress import Stages
 from fefinger.support.vocabulary import Control
 
 
@@ -153,16 +155,16 @@ def test_objects_are_symmetric_so_that_half_a_finger_does(kind: str, along: bool
     assert indenter.kind == {"plate": "flat", "ball": "sphere"}.get(kind, kind)
 
 
-def test_a_population_is_placed_as_in_a_run(loop: Loop) -> None:
-    from fefinger.live.setup import population_sites
-    from fefinger.mechanics.press.problem import Press
-    from fefinger.mechanics.press.tabulated_press import METHOD
-    from fefinger.support.progress import Stages
-
-    setup = Setup(units="population")
-    finger = setup.finger("coarse")
-    found = population_sites(finger, setup.ask)
-    scene = ff.Scene(finger=finger, motion=ff.Ramp(10, 0.5), ask=setup.ask)
+@pytest.mark.parametrize("angle", [30.0, 0.0])
+def test_a_population_is_placed_as_in_a_run(angle: float) -> None:
+    setup = Setup(units="population", angle=angle)
+    found = population_sites(setup, "coarse")
+    scene = ff.Scene(
+        finger=setup.finger("coarse"),
+        indenter=setup.indenter,
+        motion=ff.Ramp(10, 1.5),
+        ask=setup.ask,
+    )
     press = Press.of(scene, METHOD, Stages(None), mechanics="pressed", notes=())
     assert press.sites is not None
     assert found.points == pytest.approx(press.sites.points, abs=1e-9)

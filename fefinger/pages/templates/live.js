@@ -136,7 +136,7 @@ function axes(id, [x0, x1], [y0, y1], label, bottom) {
   pen.scale(ratio, ratio);
   pen.font = "12px system-ui, sans-serif";
   pen.fillStyle = INK;
-  const [left, right, top, below] = [44, wide - 10, 20, tall - 22];
+  const [left, right, top, below] = [44, wide - 10, 26, tall - 22];
   pen.fillText(label, 8, 14);
   pen.textAlign = "right";
   pen.fillText(bottom, right, tall - 6);
