@@ -33,7 +33,7 @@ STRAY = 4.5
 AT = 1e-6
 """Time in s from the corner to the nodes before and after it."""
 
-NEIGHBORS = (1, 3, 9, 27)
+NEIGHBORS = (1, 3, 9, 27)  # distances that are summed: a path that is off may be so for long
 
 
 SURE = 4.0

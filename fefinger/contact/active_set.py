@@ -21,6 +21,7 @@ FALLING = 0.05  # a refinement that leaves a larger share of the residual rebuil
 REFINED = 1e-10  # over the largest offset: accepted where a new H does not reduce the residual
 
 DONE, ENDLESS, SINGULAR, MISSED, BEYOND, TURNED = 0, 1, 2, 3, 4, 5
+"""Outcomes of a step of contact: `Stepper.failures` and `march.failure` say what they mean."""
 
 K, SOLVED, ROUNDS, EXCHANGED, REBUILT = 0, 1, 2, 3, 4
 """Indices of `LcpState.counts`: active vertices; solutions, rounds of exchange and vertices

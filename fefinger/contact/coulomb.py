@@ -24,7 +24,7 @@ from fefinger.support.compiled import njit
 
 
 CONE = 1e-10  # residual that counts as none, over the largest pressure
-ITERATIONS = 200
+ITERATIONS = 200  # most steps of Newton's method and sweeps of a solution
 SMOOTHING = 10  # sweeps where no part of a Newton step comes closer
 SHORTEST = 1 / 16  # part of a Newton step
 FALLING = 0.2  # part of the residual that a step with an inverse leaves, or it is dropped
