@@ -148,6 +148,24 @@ def test_a_part_of_a_grid_point_changes_nothing():
     assert moved.force == pytest.approx(still.force, rel=3e-3)
 
 
+@pytest.mark.parametrize("part", [0.3, 0.7])
+def test_object_and_ridges_moved_together_by_a_part_of_a_point_are_the_same(part):
+    """All of it moves over a flat body whose grid stays."""
+    n, side = 96, 8.0
+    at = places(n, side)
+
+    def gap(shift):
+        x, y = np.moveaxis(at - np.array(shift), -1, 0)
+        return (x**2 + y**2) / 16 + 0.02 * (1 - np.cos(5.0 * x)) + 0.03 * (1 - np.cos(3.0 * y))
+
+    press, moved = (contact(n, side, gap) for _ in range(2))
+    assert press.advance(0.0, Target(0.2)) == DONE
+    assert moved.advance(0.0, Target(0.2, shift=(part * side / n, -part * side / n))) == DONE
+    assert moved.force == pytest.approx(press.force, rel=2e-3)
+    center = moved.pressure @ at.reshape(-1, 2) / moved.pressure.sum()
+    assert center == pytest.approx(part * side / n * np.array([1.0, -1.0]), abs=2e-3)
+
+
 def test_ridges_moved_by_their_pitch_repeat():
     n, side = 64, 8.0
     pitch = 2 * np.pi / 4.0

@@ -122,6 +122,29 @@ def test_in_full_slip_the_traction_is_mu_p_along_the_slide(sheared):
     assert not rows[-1][1].any()
 
 
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_wave_that_slides_in_full_contact_has_the_pressure_of_its_transform(way):
+    """Displacements A p + i B t with t = mu p: friction moves the pressure ahead, and makes it less.
+
+    The waves of a half-space, Johnson, Contact Mechanics (1985), 2.6 and 13.2.
+    """
+    n, side, delta, mu, poisson = 32, 2.0, 0.02, 0.6, 0.2
+    x = places(n, side)[..., 0]
+    k = 2 * np.pi / side
+    contact = gripped(n, side, lambda shift: delta * (1 - np.cos(k * x)), (mu, mu), poisson)
+    mean = 60.0
+    for step in range(3):
+        target = Target(mean * side**2, by_force=True, shift=(way * step, 0.0))
+        assert contact.advance(0.0, target) == DONE
+    normal = (1 - poisson) / (SHEAR * k)
+    coupled = -(1 - 2 * poisson) / (2 * SHEAR * k)
+    wave = delta / (normal + 1j * coupled * mu * way)
+    wanted = mean + np.real(wave * np.exp(1j * k * x))
+    assert contact.pressure == pytest.approx(wanted.ravel(), abs=1e-4 * mean)
+    assert contact.traction[0] == pytest.approx(way * mu * wanted.ravel(), abs=1e-4 * mean)
+    assert abs(np.angle(wave)) > 0.15
+
+
 def test_squares_of_a_boundary_element_method_agree():
     """At nu = 0.3, where traction moves the contact, in part slip; squares are not waves."""
     n, side, count, mu = 128, 8.0, 22, 0.5
