@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import costs, unit_counts
+from fefinger.mechanics.evidence import costs, unit_counts, vibration
 from fefinger.mechanics.evidence.stated_errors import StatedError, error_of
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
@@ -36,6 +36,7 @@ from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.text import percent
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.relaxation import creep_integral
@@ -93,6 +94,11 @@ UNKNOWN = "not known: no press of a skin with ridges was compared with finite st
 
 ON_A_GRID = f"{name} on a grid"
 """Name of its cost there."""
+
+INERTIA = (
+    "Inertia, left out: {what} pass at {frequency:.3g} Hz, at which it changes an oscillation of "
+    "the force under a plate or a ball by up to {share} (reports/modal.json)."
+)
 
 HIGHEST, APART = 6.0, 0.1
 """Distance in mm from the middle within which the heights of an object are looked at, and steps."""
@@ -328,10 +334,25 @@ def causes(finger: Finger, indenter: Indenter) -> list[str]:
     return found
 
 
+def inertia(case: Situation) -> tuple[str, ...]:
+    """Return in words what inertia would change where a texture or ridges pass."""
+    ridges, indenter = _ridges(case.finger), case.indenter
+    if not case.motion.slides or (ridges is None and indenter.flat is not None):
+        return ()
+    path = np.linalg.norm(np.diff(case.motion.shift(case.times), axis=0), axis=1)
+    speed = float((path / np.diff(case.times)).max())
+    what, period = "ridges", ridges.pitch if ridges is not None else math.inf
+    if ridges is None:
+        what, period = "parts of the object and the gaps between them", 2 * indenter.feature
+    share = percent(vibration.of_oscillation(case, speed / period))
+    return (INERTIA.format(what=what, frequency=speed / period, share=share),)
+
+
 def _respond_on_grid(scene: Scene, progress: Progress | None) -> Response:
     from fefinger.mechanics.press import layer_press
 
     finger, indenter = scene.finger, scene.indenter
+    left_out = (*causes(finger, indenter), *inertia(Situation.of(scene)))
     return layer_press.respond(
         scene,
         grid(finger, indenter, scene.motion, scene.ask),
@@ -341,7 +362,7 @@ def _respond_on_grid(scene: Scene, progress: Progress | None) -> Response:
         notes=(
             *ON_GRID,
             notes.object_note(indenter),
-            *causes(finger, indenter),
+            *left_out,
             *notes.normalization_notes(finger.prony),
         ),
     )

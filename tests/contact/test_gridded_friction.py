@@ -124,7 +124,7 @@ def test_in_full_slip_the_traction_is_mu_p_along_the_slide(sheared):
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_wave_that_slides_in_full_contact_has_the_pressure_of_its_transform(way):
-    """Displacements A p + i B t with t = mu p: friction moves the pressure ahead, and makes it less.
+    """Displacements A p + i B t with t = mu p: friction moves the pressure, and makes it less.
 
     The waves of a half-space, Johnson, Contact Mechanics (1985), 2.6 and 13.2.
     """

@@ -61,8 +61,7 @@ def statics_error(case: Situation) -> tuple[float, str]:
     """
     frequency, speed = case.motion.highest_frequency or 0.0, _speed(case)
     wave = wave_speed(case.finger)
-    reduced = reduced_frequency(case)
-    of_vibration = float(np.interp(reduced, *_envelope("vibration", _damping(case, frequency))))
+    reduced, of_vibration = reduced_frequency(case), of_oscillation(case, frequency)
     speeds, errors = _envelope("ramp")
     beyond = max(1.0, speed / wave / float(speeds[-1]))  # rises by the square, as inertia does
     of_ramp = float(np.interp(speed / wave, speeds, errors)) * beyond**2
@@ -82,6 +81,15 @@ def statics_error(case: Situation) -> tuple[float, str]:
     return of_ramp, (
         f"speed / wave speed = {1e-3 * speed:.3g} / {1e-3 * wave:.3g} m/s = {speed / wave:.2g}"
     )
+
+
+def of_oscillation(case: Situation, frequency: float) -> float:
+    """Return what inertia changes of an oscillation of the force, over it without inertia.
+
+    frequency: in Hz. Beyond what was measured it is the last change.
+    """
+    reduced = frequency * case.finger.pulp / _faster(case, frequency)
+    return float(np.interp(reduced, *_envelope("vibration", _damping(case, frequency))))
 
 
 def left_out(case: Situation) -> tuple[float, str]:

@@ -102,6 +102,7 @@ def test_a_plate_with_friction_sticks_then_slides_and_its_work_is_lost():
     assert not free.lateral.force.any()
     leaning = np.abs(held.strain - free.strain)[-1]
     assert leaning.max() > 0.1 * np.abs(free.strain).max()
+    assert layered.inertia(Situation.of(scene(motion=slide))) == ()
     assert "Coulomb" in layered.causes(FINGER, ff.Flat(friction=0.4))[-1]
     assert "friction and inertia are left out" in layered.causes(FINGER, ff.Flat())[0]
 
@@ -166,6 +167,26 @@ def test_a_relief_from_a_file_is_pressed_as_what_it_was_drawn_from_and_told_wher
     away = ff.Slide(60, 0.4, distance=5.5, settle=0.02, approach=40, corner=0.0)
     with pytest.raises(InputError, match="expected a path on which the pad stays on the object"):
         on(grid, scene(indenter=relief, motion=away))
+
+
+def test_an_answer_says_at_which_frequency_ridges_pass_and_what_inertia_changes_there():
+    slow, fast = (
+        layered.inertia(
+            Situation.of(
+                scene(
+                    finger=replace(FINGER, ridges=ff.Ridges()),
+                    motion=ff.Slide(speed, 0.5, distance=5),
+                )
+            )
+        )[0]
+        for speed in (20, 120)
+    )
+    assert "ridges pass at 44.4 Hz" in slow
+    assert "ridges pass at 267 Hz" in fast
+    changes = [float(each.split("by up to ")[1].split(" %")[0]) for each in (slow, fast)]
+    assert 0.0 < changes[0] < 0.2 * changes[1]
+    (dots,) = layered.inertia(Situation.of(builtin.load("slide-dots")))
+    assert "parts of the object" in dots
 
 
 def test_ridges_are_a_table_of_a_scene():
