@@ -19,7 +19,7 @@ changes = {"motion.distance": 10.0, "ask.pressure": False, "ask.spikes": ["FAII"
 
 
 def spectra(ridges):
-    """Frequencies in Hz, amplitudes of the strain across the skin and of the rate, of a mean unit."""
+    """Frequencies in Hz, amplitudes of the strain across the skin and of the rate; mean units."""
     result = ff.run("slide-fabric", changes=changes | ridges, mechanics="layered")
     time = np.arange(result.time[-1] - 10.0 / speed, result.time[-1], 1e-3)
     depth = np.array([np.interp(time, result.time, each) for each in result.strain[..., 2, 2].T])
