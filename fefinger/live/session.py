@@ -121,6 +121,9 @@ class Session(threading.Thread):
                     self._advance(self._player)
         except Left:
             pass
+        except Exception as error:  # a bug: the thread ends, and the page has to know
+            self._tell("error", text=f"The finger has stopped: {type(error).__name__}: {error}")
+            raise
         finally:
             self._player = self._picture = None
 

@@ -22,10 +22,11 @@ FLAGS = (
     *("--headless=new", "--no-sandbox", "--remote-debugging-port=0", "--no-first-run"),
     *("--disable-extensions", "--disable-component-update", "--disable-background-networking"),
     *("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-sync", "--mute-audio"),
+    *("--disable-dev-shm-usage", "--autoplay-policy=no-user-gesture-required"),
 )
 
-PATIENCE = 60.0
-"""Time in s after which what a test waits for counts as missing."""
+PATIENCE = 300.0
+"""Time in s after which what a test waits for counts as missing: code may be compiled first."""
 
 
 class Tab:

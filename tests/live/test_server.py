@@ -153,12 +153,11 @@ def test_a_wrong_message_gets_a_sentence_and_the_finger_goes_on() -> None:
         assert "JSON object" in (await hear(talk, "error"))["text"]
         await talk.send_json({"kind": "save"})
         assert "-o DIR" in (await hear(talk, "error"))["text"]
-        while (await talk.receive()).type is not aiohttp.WSMsgType.BINARY:
+        await talk.send_bytes(b"\0")  # no page sends bytes: the connection is closed
+        data = aiohttp.WSMsgType.TEXT, aiohttp.WSMsgType.BINARY
+        while (message := await talk.receive()).type in data:
             pass
-        await talk.send_bytes(b"\0")
-        while (message := await talk.receive()).type is aiohttp.WSMsgType.TEXT:
-            pass
-        assert message.type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.BINARY)
+        assert message.data == aiohttp.WSCloseCode.UNSUPPORTED_DATA
 
     run(work)
 
@@ -243,3 +242,16 @@ def test_the_command_checks_its_options() -> None:
     for words in (["--port", "70000"], ["--subject", "x.y."], ["--resolution", "rough"]):
         with pytest.raises(InputError, match=words[0].removeprefix("--")):
             live.main(words, standalone_mode=False)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_thread_that_ends_by_a_bug_tells_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(setup: Setup, resolution: str, progress: object = None) -> Loop:
+        raise ZeroDivisionError("by hand")
+
+    monkeypatch.setattr(Setup, "loop", fail)
+    said: list[str | bytes] = []
+    made = session.Session(said.append, "coarse", None, Setup())
+    made.start()
+    made.join(10)
+    assert "ZeroDivisionError: by hand" in json.loads(said[-1])["text"]
