@@ -16,6 +16,7 @@ from fefinger.pipeline import run
 from fefinger.plan import explain
 from fefinger.result import Result, load
 from fefinger.results import netcdf
+from fefinger.results.key_numbers import cautions
 from fefinger.results.netcdf import LAYOUT, RECORDS
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -464,3 +465,16 @@ def test_another_record_is_no_result(synthetic: Result, tmp_path: Path) -> None:
     other.to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(InputError, match="damaged or foreign file"):
         load(tmp_path / "other.nc")
+
+
+@pytest.mark.parametrize(
+    ("mechanics", "largest", "told"),
+    [("linear", 0.45, True), ("linear", 0.35, False), ("solid", 0.45, False)],
+)
+def test_strain_that_is_not_small_is_cautioned_of_where_it_counts_as_small(
+    synthetic: Result, mechanics: str, largest: float, told: bool
+) -> None:
+    strain = synthetic.strain * largest / np.abs(np.linalg.eigvalsh(synthetic.strain)).max()
+    response = dataclasses.replace(synthetic.response, mechanics=mechanics, strain=strain)
+    found = cautions(dataclasses.replace(synthetic, response=response))
+    assert any("as small strain" in each for each in found) == told

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fefinger.results.candidate import MECHANICS
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
@@ -18,6 +19,9 @@ from fefinger.support.text import percent
 
 REFERENCE = "solid"
 """Mechanics against which errors are stated."""
+
+NOT_SMALL = 0.4
+"""Principal strain from which on small strain is cautioned of: its square is no longer small."""
 
 
 class KeyNumber(NamedTuple):
@@ -100,7 +104,21 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
 def cautions(result: ResultRecord) -> list[str]:
     """Return sentences on what may mislead: large errors, noise or gaps, a finger's other size."""
     of_finger = map(_inner, other_size(result.scene.finger))
-    return [*_far_off(result), *_record(result.scene), *of_finger]
+    return [*_far_off(result), *_beyond_small(result), *_record(result.scene), *of_finger]
+
+
+def _beyond_small(result: ResultRecord) -> list[str]:
+    """Return a sentence on strain at end organs that is not small where it counts as small."""
+    if result.strain is None or result.response.finite:
+        return []
+    largest = float(np.abs(np.linalg.eigvalsh(result.strain)).max())
+    if largest <= NOT_SMALL:
+        return []
+    finite = ", ".join(name for name, traits in MECHANICS.items() if traits.finite)
+    return [
+        f"strain at an end organ reaches {percent(largest)}, which {result.response.mechanics} "
+        f"computes as small strain; of finite strain are {finite} (--mechanics)"
+    ]
 
 
 def _record(scene: Scene) -> list[str]:
