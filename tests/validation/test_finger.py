@@ -117,21 +117,23 @@ def test_dots_on_layers_that_have_gone_more_than_half_their_way_are_mirrored(mon
     layers.fine.cache_clear()
 
 
-def test_spikes_over_dots_on_ridges_hardly_depend_on_the_grid():
-    """Of the committed measurement, with what the page on sliding says of it."""
+def test_spikes_over_dots_on_ridges_do_not_depend_on_the_grid():
+    """Of the committed measurement: means over draws of units, with what the page says of them."""
     report = json.loads(files("fefinger.reports").joinpath("ridges.json").read_text("utf-8"))
     at = dots.SPACINGS.index(report["varied_at_mm"])
-    for kind, rates in report["ridges_Hz"].items():
-        # Wanted are 5 % of every type; a start moved by a third of a point changes FAII by 7 %.
-        other = report["finer_grid_Hz"][kind], report["moved_by_part_of_a_point_Hz"][kind]
-        assert other == pytest.approx((rates[at], rates[at]), rel=0.08 if kind == "FAII" else 0.01)
-        smooth = np.array(report["smooth_Hz"][kind])
+    for kind in dots.recorded():
+        rates, smooth = (np.array(report[skin][kind]["Hz"]) for skin in ("ridges", "smooth"))
+        other = [report[name]["mean"][kind] for name in (*GRIDS, "moved_by_part_of_a_point_Hz")]
+        assert other == pytest.approx(np.full(len(other), rates[at]), rel=0.05)
         if kind == "FAII":
-            assert (np.array(rates) > smooth + 4.0).all()
+            assert (rates > smooth + 4.0).all()
         else:
-            assert rates == pytest.approx(smooth, rel=0.07)
+            assert rates == pytest.approx(smooth, rel=0.1)
     swing = report["FAII_input_mm"]
     assert swing["ridges"]["at_speed_over_pitch"] > 20 * swing["smooth"]["at_speed_over_pitch"]
+
+
+GRIDS = ("finer_grid_Hz",)
 
 
 def test_recorded_rates_are_those_of_three_types_over_rising_spacings():

@@ -34,7 +34,7 @@ PER_RADIUS = 1.5
 """Grid points in the radius of its sharpest crest."""
 
 PER_RIDGE = 11.0
-"""Grid points in a ridge of the skin: with 7.5 FAII fire 19 % more over dots, with 17 1 % more
+"""Grid points in a ridge of the skin: with 7.5 FAII fire 14 % more over dots, with 17 2 % more
 (`reports/ridges.json`)."""
 
 PER_DEPTH = 6.0
