@@ -34,6 +34,12 @@ STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
 reduced to, at depths of a tenth of the thickness."""
 
+STICKS = 1.0
+"""Coefficient of friction from which skin sticks to what presses it, a convention."""
+
+SLIPPED = 0.15
+"""Depth over the thickness at which the slip of a press was timed."""
+
 BESIDE = 8.0
 """Expected seconds of an answer from which on its spikes are checked beside it, in a process of
 their own."""
@@ -74,9 +80,17 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
         factor *= grows["gripping"]
         if not case.motion.slides:  # the matrix of twice the candidates has four times the entries
             factor *= (grows["forced"] if case.motion.by_force else 1.0) * (1 if case.half else 4)
-    spent += len(case.times) * seconds(mechanics, "step", case.mesh) * factor
+    spent += len(case.times) * seconds(mechanics, "step", case.mesh) * factor + _slip(case)
     areas = case.changes if case.ask.pressure else 0
     return spent + areas * seconds(mechanics, "area", case.mesh) + _organs(mechanics, case)
+
+
+def _slip(case: Situation) -> float:
+    """Return the expected time in s of contact in which vertices begin to slip, in a press."""
+    if case.motion.slides or not 0 < case.indenter.friction < STICKS:
+        return 0.0
+    part = min(case.depth_over_thickness, coefficients()["deepest"]) / SLIPPED
+    return float(coefficients()["slip"][case.mesh]) * part**2 * slowness({})
 
 
 def _organs(mechanics: str, case: Situation) -> float:

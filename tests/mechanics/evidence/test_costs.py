@@ -137,3 +137,19 @@ def test_a_grip_that_creeps_costs_as_many_steps_as_it_took(monkeypatch) -> None:
             assert case.half == half
             seconds.append(costs.linear_seconds(case))
         assert took / 2 < seconds[1] - seconds[0] < 2 * took
+
+
+@pytest.mark.parametrize(
+    ("mesh", "depth", "took"),
+    [("coarse", 3.0, 2.6), ("standard", 0.5, 6.8), ("standard", 1.5, 37.8)],
+)
+def test_a_press_in_which_skin_slips_costs_what_it_took(
+    monkeypatch, mesh: str, depth: float, took: float
+) -> None:
+    """With a coefficient of 0.2 by `linear`, CPU seconds; without friction 0.4 and 2.9."""
+    monkeypatch.setattr(costs, "slowness", lambda _: 1.0)
+    finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution=mesh)
+    motion = ff.RampHold(speed=20, depth=depth, hold=0.05)
+    ask = ff.Ask(strain=False, fields=False)
+    scene = ff.Scene(finger=finger, indenter=ff.Flat(30, friction=0.2), motion=motion, ask=ask)
+    assert took / 2 < costs.linear_seconds(Situation.of(scene)) < 2 * took
