@@ -95,6 +95,20 @@ def test_a_light_touch_agrees_with_the_finite_elements_and_deep_ones_feel_the_fl
     assert np.all(mine.strain[-1, :, 2, 2] < 0)
 
 
+def test_a_bar_on_the_grid_agrees_with_the_finite_elements_as_far_as_its_stated_errors():
+    """Of small strain both: the force is too large over flat bone, strain below is alike."""
+    coarse = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+    bar = ff.Bar(3.0, corner=1.5)
+    press = scene(finger=coarse, indenter=bar, motion=ff.Ramp(20, 0.6))
+    mine, theirs = layered.respond(press), linear.respond(press)
+    case = Situation.of(press)
+    ratio = mine.force[-1] / theirs.force[-1]
+    assert 1.1 < ratio < 1 + layered.error(case)[0]
+    apart = np.linalg.norm(mine.strain[-1] - theirs.strain[-1])
+    limit = layered.error(case, "strain")[0] * np.linalg.norm(theirs.strain[-1])
+    assert 0.05 * limit < apart < 1.5 * limit  # the coarse mesh has an error of its own
+
+
 def test_what_it_cannot_do_is_refused():
     light = {"motion": ff.RampHold(20, 0.2, hold=0.1)}
     asked = Situation.of(scene(ask=ff.Ask(), **light))
