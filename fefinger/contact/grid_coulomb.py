@@ -100,6 +100,7 @@ class GridCoulomb:
         self.x, self.moved = np.zeros((2, 3 * count))
         self.mu = np.full(count, float(mu))
         self._single = flexibility.tangential.astype(np.float32)
+        self._pulled = (-1j * flexibility.coupled).astype(np.complex64)
         self._mean = (self._single[0] + self._single[1]) / 2
         # Of a point alone, by the sum over all waves, also of the columns that are not stored.
         whole = 2 * self._mean.sum() - self._mean[:, 0].sum() - self._mean[:, -1].sum()
@@ -191,9 +192,7 @@ class GridCoulomb:
         change = self.normal.x - self.x[:n]
         self.x[:n] = self.normal.x
         slip = w.part((self.moved[n:] + offset).reshape(2, n))
-        first, second = (each.astype(np.complex64) * -1j for each in self.flexibility.coupled)
-        waves = w.waves(w.part(change))
-        slip += w.values(np.stack([first * waves, second * waves]))
+        slip += w.values(self._pulled * w.waves(w.part(change)))
         bound, before = w.part(self.mu * self.x[:n]), w.part(t)
         now = within(before, bound)
         slip += self._product(w, now - before)

@@ -337,7 +337,7 @@ def causes(finger: Finger, indenter: Indenter) -> list[str]:
 def inertia(case: Situation) -> tuple[str, ...]:
     """Return in words what inertia would change where a texture or ridges pass."""
     ridges, indenter = _ridges(case.finger), case.indenter
-    if not case.motion.slides or (ridges is None and indenter.flat is not None):
+    if not case.motion.slides or (ridges is None and indenter.feature == math.inf):
         return ()
     path = np.linalg.norm(np.diff(case.motion.shift(case.times), axis=0), axis=1)
     speed = float((path / np.diff(case.times)).max())
