@@ -125,7 +125,7 @@ def solve(
     best = min(ends, key=lambda each: (not each.success, each.cost))
     count = sum(each.nfev for each in ends)
     if not best.success:
-        flat = _judged(residual, tuple(unknowns), values_of(best.x), (), count).weak
+        flat = judged(residual, tuple(unknowns), values_of(best.x), (), count).weak
         raise ConvergenceError(
             f"calibration: expected the fit to converge within {LONGER} evaluations, it did not "
             f"from any of {len(starts)} starts; check the record: a fast ramp, a hold of several "
@@ -137,7 +137,7 @@ def solve(
         for each, number, lo, hi in zip(free, best.x, low, high, strict=True)
         if min(number - lo, hi - number) < 1e-6 * (hi - lo)
     ]
-    return _judged(residual, tuple(unknowns), values_of(best.x), tuple(at_bounds), count)
+    return judged(residual, tuple(unknowns), values_of(best.x), tuple(at_bounds), count)
 
 
 def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
@@ -160,13 +160,17 @@ def _about_priors(free: Sequence[Unknown], values: Values) -> Array:
     )
 
 
-def _judged(
+def judged(
     residual: Residual,
     unknowns: tuple[Unknown, ...],
     values: Values,
     at_bounds: tuple[str, ...],
     count: int,
 ) -> Solution:
+    """Return the solution at the values of a search that took `count` evaluations.
+
+    Its covariance is by the derivatives of the residual there, and by the priors.
+    """
     matrix = jacobian(residual, unknowns, values)
     residuals = residual(values)
     free = sum(not each.held for each in unknowns)

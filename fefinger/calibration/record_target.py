@@ -194,9 +194,14 @@ class RecordTarget:
         off = self.force - self.model(law(values), values)
         least = (MESH[self.mesh], ONE_G)
         found = discrepancy.sizes(off, by_values, weight, pull, base, kernels, least)
-        for size, kernel in zip(found, kernels, strict=True):
-            base = base + size**2 * kernel
-        return replace(self, model_errors=found, factor=np.asarray(np.linalg.cholesky(base)))
+        return replace(self, model_errors=found).about(law(values), values)
+
+    def about(self, law: ForceLaw, values: Values) -> Self:
+        """Return the target with the covariance of its noise and model errors about a law."""
+        covariance = self._noise(law, values)
+        for size, kernel in zip(self.model_errors, self._kernels(law, values), strict=True):
+            covariance = covariance + size**2 * kernel
+        return replace(self, factor=np.asarray(np.linalg.cholesky(covariance)))
 
     def reach(self, law: ForceLaw, values: Values) -> float:
         """Largest depth in mm of the record."""

@@ -119,7 +119,9 @@ class Search:
                 misfit(result.solution.misfit)
         shape = {} if self.frames is None else self._array(result)
         adapted = replace(work.finger, pad_radius=radius)
-        return outcome(adapted, result, work.stages, "condensed", shape, linear.ripple)
+        told = self._told(linear, radius, result)
+        found = outcome(adapted, result, work.stages, "condensed", shape, linear.ripple)
+        return replace(found, findings=told)
 
     def solid(self) -> Calibration:
         """Fit stiffening tissue, at the pad radius that agrees with the frames."""
@@ -127,10 +129,8 @@ class Search:
         first = radius = start.pad_radius
         has_frames = self.frames is not None or self.printed is not None
         with work.stage("solid, coarse") as misfit:
-            coarse = self._wide_enough(first)
+            coarse = with_skin(work, self._wide_enough(first))
             part = coarse.deepest / start.thickness
-            stiff = work.press("solid", "coarse", first, MIDDLE, AGAINST, part)
-            coarse = coarse.with_ratio(stiff, MIDDLE, AGAINST)
             result = self._solved(coarse, first)
             misfit(result.solution.misfit)
         if has_frames:
@@ -159,23 +159,11 @@ class Search:
 
         That is the last of them, or one of a finger so soft that the target is beyond its presses.
         """
-        curves = self._row(radius, EXPONENTS)
+        curves = row(self.work, radius, EXPONENTS)
         result = self._solved(curves, radius)
         if SHAPE in result.solution.at_bounds or self._reach(result) > curves.deepest:
-            return self._row(radius, (*EXPONENTS, *STIFFER))
+            return row(self.work, radius, (*EXPONENTS, *STIFFER))
         return curves
-
-    def _row(self, radius: float, exponents: tuple[float, ...]) -> Family:
-        """Make the coarse family of some exponents.
-
-        A family is as deep as its shallowest press, so later presses are limited to the depth of
-        earlier ones: failed attempts at steps beyond cost most.
-        """
-        presses, part = {}, PART["solid"]
-        for each in exponents:
-            presses[each] = self.work.press("solid", "coarse", radius, each, part=part)
-            part = min(part, float(presses[each].depth[-1]) / self.work.finger.thickness)
-        return family(exponents, radius, presses.__getitem__)
 
     def _forces(self, curves: Family, radius: float, radius_sd: float | None = None) -> Forces:
         skin, rest = self.work.finger.skin.modulus, self.work.finger.subcutaneous.modulus
@@ -310,6 +298,26 @@ class Search:
         names, fit = ("radius", "m", "c0_b"), pad_fit(result)
         both = {f"array {name}": getattr(fit, name) for name in names}
         return both | {f"array {name}, wanted": getattr(self._goal, name) for name in names}
+
+
+def row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
+    """Make the coarse family of some exponents at a pad radius in mm.
+
+    A family is as deep as its shallowest press, so later presses are limited to the depth of
+    earlier ones: failed attempts at steps beyond cost most.
+    """
+    presses, part = {}, PART["solid"]
+    for each in exponents:
+        presses[each] = work.press("solid", "coarse", radius, each, part=part)
+        part = min(part, float(presses[each].depth[-1]) / work.finger.thickness)
+    return family(exponents, radius, presses.__getitem__)
+
+
+def with_skin(work: Work, curves: Family) -> Family:
+    """Add the effect of the skin's modulus to a coarse family, by a press of stiffer skin."""
+    part = curves.deepest / work.finger.thickness
+    stiff = work.press("solid", "coarse", curves.radius, MIDDLE, AGAINST, part)
+    return curves.with_ratio(stiff, MIDDLE, AGAINST)
 
 
 def _undetermined(radius: float, power: float | None) -> tuple[str, ...]:

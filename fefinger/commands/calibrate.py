@@ -2,13 +2,17 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from fefinger.commands import console
 from fefinger.commands.console import json_option, output_option
 
+
+if TYPE_CHECKING:
+    from fefinger.calibration.rig import Rig
+    from fefinger.scene.finger import Finger
 
 NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
 
@@ -39,7 +43,7 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 
 
 @click.command()
-@click.argument("data", metavar="DATA.csv...", nargs=-1, required=True)
+@click.argument("data", metavar="DATA.csv...", nargs=-1)
 @click.option("--subject", metavar="NAME", help="Subject of Pawluk (1997) whose finger size it is.")
 @click.option("--width", type=float, help="Width of the fingertip in DATA.csv in mm.")
 @click.option("--thickness", type=float, help="Thickness of that fingertip in mm.")
@@ -49,6 +53,7 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 @column_option
 @click.option("--rig", metavar="FILE", help="TOML file of what the rig does, such as its delay.")
 @click.option("--delay", type=float, help="Time in ms by which the force is late; else fitted.")
+@click.option("--design", is_flag=True, help="Say what presses would tell, before the experiment.")
 @click.option(
     "--mechanics",
     default="solid",
@@ -70,6 +75,7 @@ def calibrate(
     columns: dict[str, str],
     rig: str | None,
     delay: float | None,
+    design: bool,
     mechanics: str,
     resolution: str,
     output: str | None,
@@ -92,18 +98,24 @@ def calibrate(
     from fefinger.support import outputs
     from fefinger.support.checks import InputError
 
+    if not data and not design:
+        raise click.MissingParameter(param_type="argument", param_hint="'DATA.csv...'")
     given = {"width": width, "thickness": thickness, "pad_radius": pad_radius}
     size: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     missing = [name for name in ("width", "thickness") if name not in size]
     if subject is None and missing:
+        of_data = f" in {data[0]}" if data else ""
         raise InputError(
-            f"--{missing[0]}: expected the size of the finger in {data[0]} in mm, received none; "
+            f"--{missing[0]}: expected the size of the finger{of_data} in mm, received none; "
             "give --width and --thickness, or --subject"
         )
     finger = finger_of(subject, **size)
     of_rig = Rig() if rig is None else Rig.from_toml(rig)
     if delay is not None:
         of_rig = replace(of_rig, delay=(delay, 0.0))
+    if design:
+        _design(finger, of_rig, as_json=as_json)
+        return
     how: dict[str, Any] = {
         "rig": of_rig,
         "mechanics": mechanics,
@@ -128,6 +140,18 @@ def calibrate(
             text,
             as_json=as_json,
         )
+
+
+def _design(finger: "Finger", rig: "Rig", *, as_json: bool) -> None:
+    """Print what presses of a finger by a rig would tell."""
+    from dataclasses import asdict
+
+    from fefinger.calibration import design
+
+    with console.progress() as report:
+        planned = design.design(finger, rig, progress=report)
+    record = {"presses": [asdict(each) for each in planned]}
+    console.print_answer(record, design.told(planned), as_json=as_json)
 
 
 @click.command()

@@ -83,7 +83,7 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
         assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
         assert found[name].sd < 0.1 * value
     assert found.checks["record that was not fitted"]["mse"] < 1e-3
-    assert [stage.name for stage in found.stages] == ["lumped", "condensed"]
+    assert [stage.name for stage in found.stages] == ["lumped", "condensed", "rig that gives"]
     assert found.stages[0].cpu > 0.01 * spent  # the fit itself is a third of it
     assert "pad_radius: there are no frames, so it is not fitted" in found.unidentified
     assert "squared error" in found.status
