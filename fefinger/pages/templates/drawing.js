@@ -3,6 +3,7 @@
 "use strict";
 const INK = "#1f2933", BONE = [0.937, 0.902, 0.839], STEEL = [0.56, 0.64, 0.71];
 const NARROW = 640;  // px of a scene below which words and color bar would cross
+const PAPER = { willReadFrequently: true };  // drawn without the graphics card, whose emulation is slow at lines
 const element = (id) => document.getElementById(id);
 
 const VERTEX = `#version 300 es
@@ -77,6 +78,8 @@ function normals(points, triangles, same) {
 const rgb = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
 
 class Scene {
+  static context = { preserveDrawingBuffer: true };
+
   constructor(box, record, buffer, data, state) {
     Object.assign(this, { record, data, state });
     this.read = ({ kind, at, count }) =>
@@ -84,10 +87,10 @@ class Scene {
     box.className = "scene";
     box.replaceChildren(document.createElement("canvas"), document.createElement("canvas"));
     [this.canvas, this.paper] = box.children;
-    this.gl = this.canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
+    this.gl = this.canvas.getContext("webgl2", { alpha: false, antialias: true, ...this.constructor.context });
     if (!this.gl) throw Error("This browser has no WebGL 2, which this page draws with.");
     this.program = program(this.gl);
-    this.buffers = {};
+    [this.buffers, this.indices, this.columns] = [{}, {}, {}];
     this.maps = Object.fromEntries(Object.entries(data.maps).map(([name, colors]) => [name, this.texture(colors)]));
     this.triangles = this.read(record.triangles);
     this.same = this.read(record.same);
@@ -109,22 +112,30 @@ class Scene {
     return made;
   }
 
-  attribute(name, array, size) {
+  // Fills a buffer; all of a frame are filled before anything is drawn, as graphics cards like it.
+  fill(buffer, array) {
+    const gl = this.gl;
+    this.buffers[buffer] ??= gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[buffer]);
+    gl.bufferData(gl.ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
+  }
+
+  // Reads an attribute of the shader from a buffer, or leaves it out.
+  attribute(name, buffer, size) {
     const gl = this.gl, at = gl.getAttribLocation(this.program, name);
     if (at < 0) return;
-    if (!array) return gl.disableVertexAttribArray(at);
-    this.buffers[name] ??= gl.createBuffer();
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[name]);
-    gl.bufferData(gl.ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
+    if (!buffer) return gl.disableVertexAttribArray(at);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[buffer]);
     gl.enableVertexAttribArray(at);
     gl.vertexAttribPointer(at, size, gl.FLOAT, false, 0, 0);
   }
 
-  elements(shape, indices) {
-    const gl = this.gl;
-    this.buffers.elements ??= gl.createBuffer();
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.buffers.elements);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.DYNAMIC_DRAW);
+  // Draws shapes between vertices; the indices of a name stay what they are first.
+  elements(shape, name, indices) {
+    const gl = this.gl, known = this.indices[name];
+    this.indices[name] ??= gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indices[name]);
+    if (!known) gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
     gl.drawElements(shape, indices.length, gl.UNSIGNED_INT, 0);
   }
 
@@ -175,16 +186,17 @@ class Scene {
     this.points = this.places;
     this.drawn = field;
     this.nodal = this.values(field);
-    const pressure = this.values("pressure"), span = data.fields[field], press = data.pressure;
-    this.attribute("place", this.points, 3);
-    this.attribute("normal", normals(this.points, this.triangles, this.same), 3);
+    const span = data.fields[field], press = data.pressure;
+    this.fillAll();
+    this.attribute("place", "places", 3);
+    this.attribute("normal", "normals", 3);
     for (const piece of record.pieces.filter((each) => this.visible(each))) {
       const pressed = piece.name === "pad" && shown.pressure && field !== "pressure";
       const scale = pressed ? press : span;
-      this.attribute("value", pressed ? pressure : this.nodal, 1);
+      this.attribute("value", pressed ? "pressure" : "nodal", 1);
       if (piece.name === "bone") this.set(PLAIN, { plain: [...BONE, 1] });
       else this.set(piece.flat || pressed ? FLAT : LIT, { span: [scale.low, scale.high], map: scale.colors });
-      this.elements(gl.TRIANGLES, this.triangles.subarray(3 * piece.from, 3 * piece.to));
+      this.elements(gl.TRIANGLES, piece.from, this.triangles.subarray(3 * piece.from, 3 * piece.to));
     }
     this.attribute("value", null);
     this.attribute("normal", null);
@@ -194,23 +206,38 @@ class Scene {
     this.write();
   }
 
-  drawLines() {
+  fillAll() {
+    const { shown } = this.state, { points, axis } = this.record.indenter, organs = this.marks;
+    this.fill("places", this.points);
+    this.fill("normals", normals(this.points, this.triangles, this.same));
+    this.fill("nodal", this.nodal);
+    this.fill("pressure", this.values("pressure"));
     const toward = this.turn[2].map((x) => 0.03 * x);
-    this.attribute("place", Float32Array.from(this.linePlaces, (x, i) => x + toward[i % 3]), 3);
+    this.fill("outlines", Float32Array.from(this.linePlaces, (x, i) => x + toward[i % 3]));
+    const travel = this.depth - 0.05;  // a little away, so that nothing flickers
+    this.fill("object", Float32Array.from(this.read(points), (x, i) => x + travel * axis[i % 3]));
+    if (!organs) return;
+    this.organs = this.organPlaces;
+    const closer = this.turn[2].map((x) => (shown["other half"] ? 0.3 * x : 0)), rates = shown.rates && this.rates;
+    this.fill("organs", this.organs.map((x, i) => x + closer[i % 3]));
+    if (rates) this.fill("rates", rates);
+    else this.fill("tints", new Float32Array(organs.colors.flatMap(rgb)));
+  }
+
+  drawLines() {
+    this.attribute("place", "outlines", 3);
     this.set(GLASS, { plain: [1, 1, 1, 1] });
-    this.elements(this.gl.LINES, this.read(this.record.lines));
+    this.elements(this.gl.LINES, "outlines", this.read(this.record.lines));
   }
 
   drawOrgans() {
     const organs = this.marks, { data } = this, { shown } = this.state;
     if (!organs) return;
     const gl = this.gl, count = organs.labels.length, rates = shown.rates && this.rates;
-    this.organs = this.organPlaces;
-    const closer = this.turn[2].map((x) => (shown["other half"] ? 0.3 * x : 0));
-    this.attribute("place", this.organs.map((x, i) => x + closer[i % 3]), 3);
+    this.attribute("place", "organs", 3);
     gl.uniform1f(gl.getUniformLocation(this.program, "size"), this.size * (count > data.few ? 0.6 : 1));
-    if (rates) this.attribute("value", rates, 1);
-    else this.attribute("tint", new Float32Array(organs.colors.flatMap(rgb)), 3);
+    if (rates) this.attribute("value", "rates", 1);
+    else this.attribute("tint", "tints", 3);
     this.set(rates ? RATE : TYPE, rates ? { span: [0, data.rate], map: data.rates } : {});
     if (!shown["other half"]) gl.disable(gl.DEPTH_TEST);  // seen through the tissue before them
     gl.drawArrays(gl.POINTS, 0, count);
@@ -220,25 +247,24 @@ class Scene {
   }
 
   drawIndenter() {
-    const gl = this.gl, { points, triangles, rim, axis } = this.record.indenter, { shown, field } = this.state;
-    const travel = this.depth - 0.05;  // a little away, so that nothing flickers
-    this.attribute("place", Float32Array.from(this.read(points), (x, i) => x + travel * axis[i % 3]), 3);
+    const gl = this.gl, { triangles, rim } = this.record.indenter, { shown, field } = this.state;
+    this.attribute("place", "object", 3);
     const cut = shown["other half"] ? -1e9 : 0, edge = this.read(rim);
     if (field !== "pressure" || !edge.length) {  // glass changes the colors behind it
       gl.enable(gl.BLEND);
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.depthMask(false);
       this.set(GLASS, { plain: [...STEEL, 0.2], cut });
-      this.elements(gl.TRIANGLES, this.read(triangles));
+      this.elements(gl.TRIANGLES, "indenter", this.read(triangles));
       gl.depthMask(true);
       gl.disable(gl.BLEND);
     }
     this.set(GLASS, { plain: [0.32, 0.38, 0.43, 1], cut });
-    this.elements(gl.LINES, edge);
+    this.elements(gl.LINES, "rim", edge);
   }
 
   write() {
-    const ratio = devicePixelRatio || 1, pen = this.paper.getContext("2d"), { data } = this, { shown, field } = this.state;
+    const ratio = devicePixelRatio || 1, pen = this.paper.getContext("2d", PAPER), { data } = this, { shown, field } = this.state;
     pen.scale(ratio, ratio);
     pen.fillStyle = INK;
     const wide = this.paper.clientWidth - 28;
@@ -260,11 +286,7 @@ class Scene {
   }
 
   bar(pen, x, y, height, name, { low, high, colors, unit, extend }) {
-    const map = this.data.maps[colors];
-    for (let k = 0; k < 256; k++) {
-      pen.fillStyle = `rgb(${map.slice(3 * k, 3 * k + 3)})`;
-      pen.fillRect(x, y + (height * (255 - k)) / 256, 18, height / 256 + 1);
-    }
+    pen.drawImage(this.shades(colors), x, y, 18, height);
     pen.fillStyle = pen.strokeStyle = INK;
     pen.lineWidth = 0.5;
     pen.strokeRect(x, y, 18, height);
@@ -276,6 +298,17 @@ class Scene {
     pen.textAlign = "right";
     pen.fillText(`${name} / ${unit}`, x + 74, y - 12);
     pen.textAlign = "left";
+  }
+
+  // A column of pixels with the colors of a map, the highest on top.
+  shades(colors) {
+    if (this.columns[colors]) return this.columns[colors];
+    const canvas = document.createElement("canvas"), map = this.data.maps[colors], count = map.length / 3;
+    [canvas.width, canvas.height] = [1, count];
+    const pen = canvas.getContext("2d"), pixels = pen.createImageData(1, count);
+    for (let k = 0; k < count; k++) pixels.data.set([...map.slice(3 * k, 3 * k + 3), 255], 4 * (count - 1 - k));
+    pen.putImageData(pixels, 0, 0);
+    return (this.columns[colors] = canvas);
   }
 
   // Labels stand in a column on the right of all organs, or on their left where there is no room.

@@ -2,6 +2,7 @@
 const data = JSON.parse(element("data").textContent);
 const WINDOW = 4, RATED = 0.5;  // s on the charts, and s that rates are taken over
 const NOTCH = 0.03, KEY = 0.02, CLEAR = -0.5;  // shares of the most that a notch and a key add; mm of a lifted object
+const NEAR = 0.7, CHARTS = 60;  // pixels below which a point is left out; ms between two drawings of the charts
 const MOST_CLICKS = 30;  // spikes of a frame that are heard
 const PITCH = { SAII: 330, SAI: 550, FAI: 880, FAII: 1320 };  // Hz
 const PARTS = ["skin", "subcutaneous tissue", "bone", "pressure", "end organs", "indenter"];
@@ -14,10 +15,12 @@ const states = {
 const socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/#.*$/, "") + "socket");
 socket.binaryType = "arraybuffer";
 let shape = null, scenes = [], frame = null, requested = 0, wanted = null;
-let trace = [], spikes = [];
+let trace = [], spikes = [], charted = 0;
 const dragged = new Map();
 
 class LiveScene extends Scene {
+  static context = { preserveDrawingBuffer: false };
+
   get places() { return frame.places; }
 
   get linePlaces() { return frame.lines; }
@@ -96,8 +99,11 @@ function draw() {
   requested = 0;
   if (!frame) return;
   for (const scene of scenes) scene.draw();
-  charts();
-  tools();
+  if (performance.now() - charted > CHARTS) {
+    charted = performance.now();
+    charts();
+    tools();
+  }
   if (wanted) send({ kind: "move", ...wanted });
   wanted = null;
   send({ kind: "drawn" });
@@ -132,7 +138,7 @@ function axes(id, [x0, x1], [y0, y1], label, bottom) {
   const canvas = element(id), ratio = devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
   canvas.width = Math.round(wide * ratio);
   canvas.height = Math.round(tall * ratio);
-  const pen = canvas.getContext("2d");
+  const pen = canvas.getContext("2d", PAPER);
   pen.scale(ratio, ratio);
   pen.font = "12px system-ui, sans-serif";
   pen.fillStyle = INK;
@@ -153,7 +159,11 @@ function line({ pen, x, y, left, right, top, below }, points, color) {
   pen.rect(left, top, right - left, below - top);
   pen.clip();
   pen.beginPath();
-  for (const [a, b] of points) pen.lineTo(x(a), y(b));
+  let [u, v] = [-9, -9];
+  for (const [a, b] of points) {
+    const [c, d] = [x(a), y(b)];
+    if (Math.abs(c - u) + Math.abs(d - v) > NEAR) pen.lineTo(u = c, v = d);
+  }
   pen.strokeStyle = color;
   pen.lineWidth = 1.5;
   pen.stroke();
