@@ -15,7 +15,7 @@ from fefinger.calibration.inverse import Values, judged
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget
 from fefinger.calibration.rig import Rig
-from fefinger.calibration.search import EXPONENTS, row, with_skin
+from fefinger.calibration.search import EXPONENTS, biased, row, with_skin
 from fefinger.calibration.targets import TOUCH
 from fefinger.calibration.trace import trace
 from fefinger.scene import library, pawluk1997
@@ -101,7 +101,7 @@ def design(
         ratio = work.finger.skin.modulus / rest
         forces = Forces(expected(press, law, rig), curves, rest, ratio, radius)
         known = {each.name: each.start for each in forces.unknowns} | values
-        solution = judged(forces.residual, forces.unknowns, known, (), 0)
+        solution = biased(judged(forces.residual, forces.unknowns, known, (), 0))
         deviations = {
             each.name: solution.deviations[each.name] / (known[each.name] if each.log else 1.0)
             for each in forces.unknowns

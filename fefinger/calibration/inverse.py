@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -79,6 +79,22 @@ class Solution:
     weak: tuple[str, ...]
     at_bounds: tuple[str, ...]
     evaluations: int
+
+    def widened(self, systematic: Values) -> Self:
+        """Return the solution with systematic errors of fitted numbers, as standard deviations.
+
+        By name; they are independent of each other and of all else.
+        """
+        added = np.array([systematic.get(each.name, 0.0) for each in self.unknowns])
+        covariance = self.covariance + np.diag(added**2)
+        deviations = {
+            each.name: math.hypot(
+                self.deviations[each.name],
+                more * (self.values[each.name] if each.log else 1.0),
+            )
+            for each, more in zip(self.unknowns, added.tolist(), strict=True)
+        }
+        return replace(self, covariance=covariance, deviations=deviations)
 
 
 def solve(

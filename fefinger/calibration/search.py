@@ -16,7 +16,7 @@ from fefinger.calibration import pad_radius as pad
 from fefinger.calibration.array_sensor import Frames
 from fefinger.calibration.curve import Family, family
 from fefinger.calibration.force import SHAPE, Forces
-from fefinger.calibration.inverse import solve
+from fefinger.calibration.inverse import Solution, solve
 from fefinger.calibration.outcome import AGREES, FitResult, outcome
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
@@ -59,6 +59,17 @@ and subjects on the coarse mesh are 0.5 to 1.6 % (suite `calibration`)."""
 
 NONE = 5e-3
 """Relative difference below which two pad radii count as equal."""
+
+ONE_G_BIAS = {"c1/c0": 0.06, "c2/c0": 0.02, "c3/c0": 0.02, "v1": 0.05, "v2": 0.02}
+"""Standard deviations of logarithms, due to one G for tissue whose stress relaxes in every element.
+
+No residual shows this error, as weights and rates take it up. Twins by `solid` came back with c1/c0
+6 to 8 % high, the other ratios 1 % off, v1 5 % off (suite `calibration`,
+`reports/rig-faults.json`).
+"""
+
+STIFFENING_BIAS = 0.04
+"""The same of the exponent, over it."""
 
 SETTLED = 0.1
 """Change of the exponent between two corrections that counts as converged: below the uncertainty of
@@ -188,6 +199,8 @@ class Search:
         rough = solve(forces.residual, forces.unknowns, starts)
         forces = forces.weighed(rough.values)
         solution = solve(forces.residual, forces.unknowns, [rough.values])
+        if len(curves.shapes) > 1 and presses(forces.target):
+            solution = biased(solution)
         return FitResult(solution, forces.law(solution.values), forces.target)
 
     def _radius(
@@ -298,6 +311,12 @@ class Search:
         names, fit = ("radius", "m", "c0_b"), pad_fit(result)
         both = {f"array {name}": getattr(fit, name) for name in names}
         return both | {f"array {name}, wanted": getattr(self._goal, name) for name in names}
+
+
+def biased(solution: Solution) -> Solution:
+    """Return a solution of stiffening tissue whose deviations have the bias of one G."""
+    bent = {SHAPE: STIFFENING_BIAS * solution.values[SHAPE]}
+    return solution.widened(ONE_G_BIAS | bent)
 
 
 def row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:

@@ -69,6 +69,15 @@ def test_what_is_held_keeps_its_prior_although_the_data_would_move_it():
     assert found.deviations["p"] == pytest.approx(np.std(off), rel=0.15)
 
 
+def test_a_systematic_error_adds_to_deviations_and_covariance():
+    asked = [unknown("p"), unknown("q", log=False)]
+    found = inverse.solve(lambda v: np.array([np.log(v["p"] / 2), v["q"] - 3]) / 0.03, asked)
+    wider = found.widened({"p": 0.04, "q": 0.4})
+    assert wider.deviations["p"] == pytest.approx(2 * 0.05, rel=1e-3)
+    assert wider.deviations["q"] == pytest.approx(np.hypot(0.03, 0.4), rel=1e-3)
+    np.testing.assert_allclose(np.diag(wider.covariance), [0.05**2, 0.03**2 + 0.4**2], rtol=1e-3)
+
+
 def test_a_bound_that_stops_the_search_is_named():
     found = inverse.solve(lambda v: np.array([v["p"] - 20.0, 0.1]), [unknown("p")])
     assert found.at_bounds == ("p",)
