@@ -4,7 +4,8 @@ Run as `python -m fefinger.validation.evidence.derive reports`, some seconds. It
 of `press-mesh.json`, `strain-types.json` and `grid-errors.json`, what tabulation leaves out
 (`pressed-error.json`), and errors under raised parts (suite `friction`); and it computes the
 factors of the rule (`mechanics/evidence/stated_errors.py`) from the scenes of development in
-`held-out.json`, and those of the strain of each type by leaving presses out.
+`held-out.json`, those of the strain of each type, and of pressure and area by formulas, by leaving
+presses out.
 """
 
 import math
@@ -66,6 +67,9 @@ RAISED_PRESSES = ("a.h./flat-30", "maeno1998/flat-30")
 
 AS_CONDENSED = ("condensed standard", "linear coarse", "linear standard")
 """Candidates whose strain by type errs as that of `condensed` on the coarse mesh."""
+
+FORMULAS, BY_TISSUE = ("hertz", "layered"), ("pressure", "area")
+"""Mechanics without a mesh, and what of theirs is judged by leaving presses out."""
 
 Errors = dict[str, dict[str, Any]]
 
@@ -273,10 +277,15 @@ def judged(candidate: Candidate, case: Situation) -> bool:
 
 
 def of_presses() -> Iterator[Residual]:
-    """Yield the residuals of the strain of each type in every press, from all other presses."""
+    """Yield the residuals in every press, from all other presses.
+
+    Of the strain of each type; of formulas also of pressure and area, which scatter with the tissue
+    more than the few scenes of development show.
+    """
     for press in presses.presses():
         for label, row in press.errors.items():
-            for quantity in (each for each in STRAINS if each in row):
+            wanted = (*STRAINS, *BY_TISSUE) if label in FORMULAS else STRAINS
+            for quantity in (each for each in wanted if each in row):
                 yield from _left_out(press, Candidate.of(label), quantity)
 
 

@@ -8,8 +8,9 @@
    thickness; weights are 1 / (distance² + SAME).
 4. The stated error is the estimate times a factor: the 95 % quantile of actual errors over
    estimates, in scenes that were measured with all mechanics (of one scene more than there are, as
-   a new one is). There is one factor for each mechanics and quantity, computed by
-   `validation/evidence/derive.py`.
+   a new one is); of the strain of each type, and of pressure and area by formulas, which scatter
+   with the tissue, also in presses that are left out. There is one factor for each mechanics and
+   quantity, computed by `validation/evidence/derive.py`.
 5. Nothing is stated where the nearest press is FARTHEST away or all of them are less deep.
 
 Small strain is compared in tissue of the same law only: there its error follows the stiffening.

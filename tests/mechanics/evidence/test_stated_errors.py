@@ -173,12 +173,14 @@ def test_the_factors_hold_in_95_of_100_scenes_of_development(quantity) -> None:
     for mechanics, each in held.items():
         assert len(each) > 17, mechanics
         assert np.mean(each) >= derive.QUANTILE - 0.01, mechanics
-        assert np.mean(each) < 1 or mechanics == "lumped", "a margin that nothing exceeds is none"
+        from_presses = mechanics in derive.FORMULAS and quantity in derive.BY_TISSUE
+        some = np.mean(each) < 1 or mechanics == "lumped" or from_presses
+        assert some, "a margin that nothing exceeds is none"
 
 
-@pytest.mark.parametrize("kind", ["SAI", "SAII", "FAI", "FAII"])
-def test_strains_of_a_type_hold_in_presses_that_are_left_out(kind) -> None:
-    quantity, held = stated_errors.strain_of(kind), []
+@pytest.mark.parametrize("quantity", [*stated_errors.STRAINS, *derive.BY_TISSUE])
+def test_errors_hold_in_presses_that_are_left_out(quantity) -> None:
+    held = []
     for (candidate, name), _, residual in derive.of_presses():
         if name == quantity:
             factor = read(EVIDENCE)["factors"][candidate.mechanics][quantity]
