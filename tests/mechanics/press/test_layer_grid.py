@@ -120,6 +120,28 @@ def test_the_strain_below_tractions_is_that_of_cerruti(axis):
         assert strain == pytest.approx(wanted, abs=0.01 * np.abs(wanted).max())
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+def test_tractions_on_thick_layers_move_the_skin_as_those_of_cerruti(axis):
+    """Along, across and down, beside the tractions; no force and no moment, so no image counts."""
+    poisson, shear, n = 0.3, 20.0, 128
+    thick = Stack((Layer(60.0, 2 * shear * (1 + poisson), poisson),))
+    grid = LayerGrid(thick, n, 0.2)
+    body = GridCoulomb(grid.flexibility, (n, n), 0.5)
+    x, y = np.moveaxis(grid.places, -1, 0)
+    traction = np.zeros((3, n, n))
+    for middle, part in ((-0.8, 1.0), (0.0, -2.0), (0.8, 1.0)):
+        traction[1 + axis] += part * np.exp(-6 * ((x - middle) ** 2 + y**2))
+    moved = body.displacement(traction.ravel()).reshape(3, n, n)
+    for at in ((64, 74), (73, 74), (78, 66), (52, 68)):
+        apart = [grid.lines[at[0]] - x, grid.lines[at[1]] - y]
+        apart[0] = np.where(np.hypot(*apart) == 0, 1.0, apart[0])  # exact: the point itself
+        u = cerruti(*apart[:: 1 - 2 * axis], 0.0, shear=shear, poisson=poisson)
+        u = u[[2, 1, 0]] if axis else u[[2, 0, 1]]
+        wanted = np.sum(u * traction[1 + axis], axis=(1, 2)) * grid.spacing**2
+        found = moved[:, at[0], at[1]]
+        assert found == pytest.approx(wanted, abs=0.03 * np.abs(wanted).max())
+
+
 def test_the_flexibility_of_layers_is_symmetric_and_stiff_in_every_wave():
     """Pressure moves along what traction moves down, and no stress does negative work."""
     grid = LayerGrid(STACK, 12, 0.5, width=1.0)
