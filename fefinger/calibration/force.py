@@ -116,13 +116,30 @@ class Forces:
         )
 
     def starts(self) -> list[Values]:
-        """Make starts at several shapes of the law, with moduli that match the target's force."""
+        """Make starts at several shapes of the law, with moduli that match the target's force.
+
+        They have the G of the target's lumped model; one has that of the priors too.
+        """
         if len(self.family.shapes) == 1:
             shapes: Sequence[float] = (0.3, 1.5)
         else:
             low, high = self.family.shapes[0], self.family.shapes[-1]
             shapes = np.linspace(low, high, 5)[1:4].tolist()
-        return [self._start(shape) for shape in shapes]
+        begun = [self._start(shape) for shape in shapes]
+        return [each | self._relaxing for each in begun] + begun[1:2]
+
+    @property
+    def _relaxing(self) -> Values:
+        """G of the target's lumped model; {} where it has fewer terms, or a term beyond bounds."""
+        prony = self.target.lumped_law.prony
+        asked = relaxation_unknowns(self.target.name)
+        if len(prony.v) + len(prony.weights[1:]) != len(asked):
+            return {}
+        shares = np.array(prony.weights[1:]) / prony.weights[0]
+        found = [*shares.tolist(), *prony.v]
+        if not all(e.low < x < e.high for e, x in zip(asked, found, strict=True)):
+            return {}
+        return {each.name: value for each, value in zip(asked, found, strict=True)}
 
     def law(self, values: Values) -> ForceLaw:
         """Evaluate the force law of the values."""
