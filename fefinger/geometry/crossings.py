@@ -11,10 +11,15 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 
+FOLD = 3
+"""Edges between triangles that cross each other up to which that is a fold of the surface."""
+
+
 def crossings(mesh: "Trimesh") -> Array | None:
     """Find a self-intersection: a point (3,) where an edge passes through a triangle, or None.
 
-    Triangles that share a vertex, and nearly coplanar ones, do not count.
+    Triangles that share a vertex, and nearly coplanar ones, do not count; nor do folds between
+    triangles up to FOLD edges apart, which are noise of a scan.
     """
     # Of a finger one unit wide: the tolerances of the intersection are absolute.
     wide = float(np.sort(mesh.extents)[1])
@@ -30,10 +35,19 @@ def crossings(mesh: "Trimesh") -> Array | None:
         edge, plane = corners[pairs[:, one]], corners[pairs[:, other]]
         for k in range(3):
             hit = _pierced(edge[:, k], edge[:, (k + 1) % 3], plane)
-            if hit.any():
-                place = plane[int(np.argmax(hit))].mean(axis=0)
-                return np.asarray(mesh.bounds[0] + wide * place)
+            for which in np.flatnonzero(hit):
+                if not _is_fold(mesh, faces[pairs[which, 0]], faces[pairs[which, 1]]):
+                    return np.asarray(mesh.bounds[0] + wide * plane[which].mean(axis=0))
     return None
+
+
+def _is_fold(mesh: "Trimesh", one: Integers, other: Integers) -> bool:
+    """Whether two triangles (3,) are up to FOLD edges apart along the surface."""
+    edges, reached = mesh.edges, np.zeros(len(mesh.vertices), dtype=bool)
+    reached[one] = True
+    for _ in range(FOLD):
+        reached[edges[reached[edges[:, 0]], 1]] = True
+    return bool(reached[other].any())
 
 
 def _neighbors(corners: Array) -> Integers:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from fefinger.geometry.locate import barycentric
-from fefinger.geometry.surface_file import FARTHEST
+from fefinger.geometry.surface_load import FARTHEST
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 

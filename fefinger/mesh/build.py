@@ -17,7 +17,7 @@ from fefinger.mesh.finger_shape import Shape, touch_point
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import gate, record
+from fefinger.mesh.quality import SCANNED, STRICT, gate, record
 from fefinger.mesh.recipe import Recipe, Touch, templates
 from fefinger.mesh.scan import shape_of
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
@@ -38,7 +38,8 @@ ROUNDED, BACKWARD = 3.0, 30
 """Distance in mm that a rounded place may lie off the pad, and steps of moving it back."""
 
 TEMPLATES = 3
-"""Largest number of shipped meshes that are morphed before the mesher is called."""
+"""Largest number of shipped meshes that are morphed before the mesher is called; of a scan all are,
+as the mesher is random."""
 
 ATTEMPTS = 4
 """Largest number of meshings; each has a smaller envelope, as the mesher is not deterministic."""
@@ -71,7 +72,7 @@ def build(
         chosen = replace(settings, envelope=settings.envelope * 0.85**attempt)
         try:
             mesh = _attempt(shape, recipe, chosen, name=name, say=say)
-            gate(mesh.quality)
+            gate(mesh.quality, STRICT if recipe.surface is None else SCANNED)
         except ConvergenceError as error:
             problem = error
             say(str(problem))
@@ -92,7 +93,12 @@ def _morphed(shape: Shape, recipe: Recipe, *, name: str, say: Progress) -> Finge
         with suppress(ConvergenceError):
             source = parametric(Recipe(**template.recipe))
             drafts.append(draft(template, source, shape, recipe.touch))
-    for made in sorted(drafts, key=lambda made: made.poor)[:TEMPLATES]:
+    drafts.sort(key=lambda made: made.poor)
+    if recipe.surface is None:
+        del drafts[TEMPLATES:]
+    else:  # scans of one finger get one template, the finest
+        drafts.sort(key=lambda made: made.stretch)
+    for made in drafts:
         say(f"morphing {made.template.name}")
         try:
             return finished(made, shape, recipe, name=name)

@@ -34,6 +34,9 @@ BONE_AHEAD, BONE_ROUNDED = 0.42, 0.3
 """Tissue ahead of a bone, over the thickness, and length of the rounding of its end, over the width
 of the finger, where the recipe gives no other."""
 
+BASE = 0.6
+"""Length of the base of a bone at the cut, over the width of the finger."""
+
 SAMPLES = 4001
 """Points in a profile table; the error of the trapezoidal rule is below 1e-6 mm."""
 
@@ -193,10 +196,13 @@ def check_room(under: SmoothSurface, bone: Array, recipe: Recipe) -> None:
         )
 
 
-def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> Shell:
+def distal_phalanx(
+    recipe: Recipe, *, cut: float, tip: float, top: float, slim: float = 1.0
+) -> Shell:
     """Build the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft.
 
-    Raises InputError where it would end behind the cut.
+    slim: its width and height over those of other fingers. Raises InputError where it would end
+    behind the cut.
     """
     width, thickness = recipe.width, recipe.thickness
     pulp = BONE * thickness
@@ -206,29 +212,28 @@ def distal_phalanx(recipe: Recipe, *, cut: float, tip: float, top: float) -> She
     end = min(tip - BONE_AHEAD * thickness, -np.sqrt(max(pulp**2 - middle**2, 0.0)))
     if recipe.tip_tissue is not None:
         end = tip - recipe.tip_tissue
-        if end < cut + 0.6 * width:
-            longer = ""
-            if recipe.surface is not None:
-                longer = f"; or use a scan at least {length_needed(recipe):.1f} mm long"
+        if end < cut + BASE * width and recipe.surface is None:
             raise InputError(
-                f"finger.tip_tissue: expected at most {tip - cut - 0.6 * width:.1f} mm, so that "
+                f"finger.tip_tissue: expected at most {tip - cut - BASE * width:.1f} mm, so that "
                 "the finger has the base of a bone at its cut, received "
-                f"{recipe.tip_tissue:.3g} mm{longer}"
+                f"{recipe.tip_tissue:.3g} mm"
             )
+    if recipe.surface is not None:
+        end = max(end, cut + BASE * width)
     x = end - (end - cut) * np.linspace(1.0, 0.0, SAMPLES) ** 2
-    base = smooth(1.0 - (x - cut) / (0.6 * width))
+    base = smooth(1.0 - (x - cut) / (BASE * width))
     tuft = np.exp(-(((x - end + 0.16 * width) / (0.2 * width)) ** 2))
     tip_factor = rounding(x, end, BONE_ROUNDED * width)
-    side = width * (0.16 + 0.10 * base + 0.05 * tuft) * tip_factor
-    low = (depth + 0.16 * thickness * base) * tip_factor
-    high = 0.09 * thickness * tip_factor
+    side = slim * width * (0.16 + 0.10 * base + 0.05 * tuft) * tip_factor
+    low = slim * (depth + 0.16 * thickness * base) * tip_factor
+    high = slim * 0.09 * thickness * tip_factor
     return Shell.of(middle, cut=cut, palmar=(x, low), dorsal=(x, high), side=(x, side))
 
 
 def length_needed(recipe: Recipe) -> float:
     """Least length in mm of a scan: the base of a bone, the tissue ahead of it, and a margin."""
     ahead = BONE_AHEAD * recipe.thickness if recipe.tip_tissue is None else recipe.tip_tissue
-    return max(1.1 * recipe.width, ahead + 0.6 * recipe.width + 1.0)
+    return max(1.1 * recipe.width, ahead + BASE * recipe.width + 1.0)
 
 
 def rounding(x: Array, tip: float, reach: float) -> Array:

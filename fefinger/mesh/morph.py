@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, interfaces, triangle_areas, volumes
 from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_point
-from fefinger.mesh.quality import gate, record
+from fefinger.mesh.quality import SCANNED, STRICT, gate, record
 from fefinger.mesh.recipe import STRETCH, Recipe, Touch
 from fefinger.mesh.shell import Shell
 from fefinger.support.arrays import Array, Flags, Integers
@@ -42,6 +42,7 @@ class Draft:
     points : (n, 3) places of its vertices on the shape wanted, mm.
     constraints : surfaces and fixed coordinates of the vertices there.
     poor : number of cells with a worse dihedral angle than the template has.
+    stretch : ratio of facet sizes to the template's, in the fine half of the pad.
 
     """
 
@@ -50,31 +51,34 @@ class Draft:
     points: Array
     constraints: smooth.Supports
     poor: int
+    stretch: float
 
 
 def draft(template: FingerMesh, source: Shape, target: Shape, touch: Touch = None) -> Draft:
     """Move the vertices of a template of the shape `source` to the shape `target`.
 
     touch: center of the fine facets of both, as in `Recipe`.
-
-    Raises ConvergenceError where the pad becomes coarser than its resolution.
     """
     facets = _facets(template)
     constraints = smooth.supports(target, len(template.points), facets)
     moves = _surface_moves(template, source, target, facets, constraints, touch)
-    _check_stretch(template, template.points + moves)
     held = ~constraints.free | (constraints.surface >= 0)[:, None]
     points = template.points + extension(template.points, template.cells, moves, held)
     poor = np.sum(smooth.sines(points[template.cells]).min(axis=1) < _wanted(template))
-    return Draft(template, source, points, constraints, int(poor))
+    return Draft(template, source, points, constraints, int(poor), _stretch(template, points))
 
 
 def finished(made: Draft, target: Shape, recipe: Recipe, *, name: str = "finger") -> FingerMesh:
     """Improve the cells of a draft and return the mesh; raise ConvergenceError if it is not good.
 
-    The worst dihedral angle is raised to the template's, where possible.
+    The worst dihedral angle is raised to the template's, where possible. A parametric finger whose
+    pad would be coarser than its resolution is not good; of a scan, which has one mesh however
+    often it is built, a note says so.
     """
     template, free = made.template, made.constraints.free
+    if made.stretch > STRETCH and recipe.surface is None:
+        message = f"mesh: the template {template.name} would be stretched {made.stretch:.2f} times"
+        raise ConvergenceError(message)
     first = np.flatnonzero(np.all(template.points == 0.0, axis=1))
     points = smooth.improve(
         made.points, template.cells, made.constraints, wanted=_wanted(template), pinned=first
@@ -86,8 +90,15 @@ def finished(made: Draft, target: Shape, recipe: Recipe, *, name: str = "finger"
     mesh = record(
         target, recipe, points, template.cells, template.region, template.facets, name=name
     )
-    gate(mesh.quality)
-    return replace(mesh, quality=mesh.quality | {"template": template.name})
+    gate(mesh.quality, STRICT if recipe.surface is None else SCANNED)
+    quality = mesh.quality | {"template": template.name}
+    if made.stretch > STRETCH:
+        coarser = (
+            f"The facets of this pad are {made.stretch:.2g} times as large as its resolution has "
+            "elsewhere: the finger is wider than those of the shipped meshes."
+        )
+        quality["notes"] = [*quality.get("notes", ()), coarser]
+    return replace(mesh, quality=quality)
 
 
 def _wanted(template: FingerMesh) -> float:
@@ -95,15 +106,12 @@ def _wanted(template: FingerMesh) -> float:
     return float(smooth.sines(template.points[template.cells]).min()) * (1.0 - 1e-6)
 
 
-def _check_stretch(template: FingerMesh, points: Array) -> None:
-    """Raise ConvergenceError where the fine half of the pad becomes coarser than its resolution."""
+def _stretch(template: FingerMesh, points: Array) -> float:
+    """Ratio of facet sizes to the template's in the fine half of the pad, at points (n, 3)."""
     pad = template.facets["pad"]
     before, after = (triangle_areas(places[pad]) for places in (template.points, points))
     fine = before <= np.median(before)
-    stretch = float(np.sqrt(after[fine].sum() / before[fine].sum()))
-    if stretch > STRETCH:
-        message = f"mesh: the template {template.name} would be stretched {stretch:.2f} times"
-        raise ConvergenceError(message)
+    return float(np.sqrt(after[fine].sum() / before[fine].sum()))
 
 
 def extension(points: Array, cells: Integers, moves: Array, held: Flags) -> Array:

@@ -1,7 +1,7 @@
 """Record of a finger mesh with its quality figures, and the check that rejects a bad mesh."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,17 +29,32 @@ from fefinger.support.checks import ConvergenceError
 MIN_DIHEDRAL = 8.0
 """Degrees; below it the condition of a Taylor-Hood element grows as 1/sin of the angle."""
 
-VOLUME_ERROR = 0.02
-"""Largest relative error of a region's volume, from the facets that replace the surface."""
-
-RADIUS_ERROR = 0.05
-"""Largest relative error of the pad's curvature radii at P30."""
-
 SURFACE_GAP = 1e-5
 """Largest distance in mm of a pad vertex from the smooth skin, which defines the contact gap."""
 
-FIRST_TOUCH = 1e-6
-"""Largest distance in mm of a vertex before the origin, toward the 30-degree plate."""
+
+@dataclass(frozen=True)
+class Bounds:
+    """What facets may leave out of smooth surfaces.
+
+    Attributes
+    ----------
+    volume : largest relative error of a region's volume.
+    radius : largest relative error of the pad's curvature radii at P30.
+    first_touch : largest distance in mm of a vertex before the origin, toward the 30-degree plate.
+
+    """
+
+    volume: float
+    radius: float
+    first_touch: float
+
+
+STRICT = Bounds(volume=0.02, radius=0.05, first_touch=1e-6)
+"""Bounds of parametric fingers, and those beyond which a note states what is left out of a scan."""
+
+SCANNED = Bounds(volume=0.08, radius=np.inf, first_touch=0.02)
+"""Bounds of scans: a radius within 2 mm of one point is one of their bumps."""
 
 
 def dihedral_angles(points: Array, cells: Integers) -> Array:
@@ -80,8 +95,9 @@ def record(
         points, cells, region, sets, normals, half=True, name=name, recipe=recipe.to_dict()
     )
     quality = measure(mesh, radii=shape.radii, surface_volumes=shape.volumes, gap=gap)
-    if shape.notes:
-        quality["notes"] = list(shape.notes)
+    left_out = () if recipe.surface is None else scan_notes(quality)
+    if shape.notes or left_out:
+        quality["notes"] = [*shape.notes, *left_out]
     return replace(mesh, quality=quality)
 
 
@@ -130,7 +146,7 @@ def measure(
     }
 
 
-def gate(quality: dict[str, Any]) -> None:
+def gate(quality: dict[str, Any], bounds: Bounds = STRICT) -> None:
     """Raise ConvergenceError that lists every figure out of bounds."""
     faults = []
     if quality["min_volume"] <= 0.0:
@@ -141,22 +157,42 @@ def gate(quality: dict[str, Any]) -> None:
     for name, count in quality["parts"].items():
         if count != 1:
             faults.append(f"{name} in {count} parts, wanted one")
-    for name, error in quality["volume_errors"].items():
-        if not abs(error) <= VOLUME_ERROR:
-            faults.append(
-                f"a {name} volume {error:+.1%} off its surface's, wanted {VOLUME_ERROR:.0%} or less"
-            )
-    for name, error in zip(("along", "across"), quality["radii_errors"], strict=True):
-        if not abs(error) <= RADIUS_ERROR:
-            faults.append(
-                f"a pad radius {name} the finger {error:+.1%} off, wanted {RADIUS_ERROR:.0%}"
-            )
     if not quality["surface_gap"] <= SURFACE_GAP:
         faults.append(f"a pad vertex {quality['surface_gap']:.2g} mm off the smooth skin")
-    if not abs(quality["first_touch"]) <= FIRST_TOUCH:
-        faults.append(f"a first touch {quality['first_touch']:.2g} mm before the origin")
+    faults += _off(quality, bounds)
     if faults:
         raise ConvergenceError(f"mesh: the quality check found {'; '.join(faults)}")
+
+
+def _off(quality: dict[str, Any], bounds: Bounds) -> list[str]:
+    """Return what the facets leave out of the smooth surfaces, where it is out of bounds."""
+    faults = []
+    for name, error in quality["volume_errors"].items():
+        if not abs(error) <= bounds.volume:
+            faults.append(
+                f"a {name} volume {error:+.1%} off its surface's, wanted {bounds.volume:.0%} or less"
+            )
+    for name, error in zip(("along", "across"), quality["radii_errors"], strict=True):
+        if not abs(error) <= bounds.radius:
+            faults.append(
+                f"a pad radius {name} the finger {error:+.1%} off, wanted {bounds.radius:.0%}"
+            )
+    if not abs(quality["first_touch"]) <= bounds.first_touch:
+        faults.append(f"a first touch {quality['first_touch']:.2g} mm before the origin")
+    return faults
+
+
+def scan_notes(quality: dict[str, Any]) -> tuple[str, ...]:
+    """Note on what the facets leave out of a scan, beyond what they do of a parametric finger."""
+    faults = _off(quality, STRICT)
+    if not faults:
+        return ()
+    touch = float(np.prod(1.0 + np.array(quality["radii_errors"]))) ** 0.25 - 1.0
+    return (
+        f"The facets of the mesh leave details of the scan out: {', '.join(faults)}. By the pad's "
+        f"radii the force of a light touch is {touch:+.1%} off (Hertz), that of a deep press less; "
+        "a finer mesh (finger.resolution) has more of them.",
+    )
 
 
 def _patch_edges(mesh: FingerMesh) -> Array:

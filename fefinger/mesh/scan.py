@@ -1,6 +1,6 @@
 """Shape of a fingertip from a surface file (STL, PLY, OBJ, ...); skin and bone are added inside.
 
-The file gives the outer skin in mm in the frame x distal, y radial, z dorsal, wherever its origin.
+The file gives the outer skin in mm; its axes are found from its shape (`geometry/scan_axes.py`).
 The surface is the mean of the scan and its mirror image; a large asymmetry is an error.
 The skin has the given thickness, the bone is the parametric one for the given width and thickness.
 """
@@ -11,14 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.geometry.surface_file import (
-    BACK,
-    LENGTH,
-    SurfaceFile,
-    read_closed,
-    read_surface,
-    tilt,
-)
+from fefinger.geometry.surface_file import SurfaceFile, read_surface, used_length
+from fefinger.geometry.surface_repair import read_closed
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell as surface
 from fefinger.mesh.cloud import SPACING, Cloud, smoothed
@@ -44,16 +38,18 @@ STATIONS, LAST = 60, 0.15
 ON_SHELL = 1e-6
 """Distance in mm from a shell up to which points are on it."""
 
-NAIL_DOWN = 0.45
-"""Height of the foremost point above the lowest one, over the thickness, below which a scan that
-has no room for a bone lies with the nail down; it is 0.65 or more in a finger, 0.5 in a ball."""
-
-ROUND = 0.56
-"""Volume over that of the box up to which such a scan is rounded at both ends: 0.52 in a ball."""
-
 NARROWED, FULL = 0.92, 0.97
 """Width at the cut, over the largest, below which a scan is rounded at its proximal end, and that
-where it is to be cut; it is 1 in a parametric finger."""
+from which on it counts; it is 1 in a parametric finger."""
+
+SHORTEST = 0.3
+"""Least tissue ahead of a bone, over the thickness, in a short scan; 0.42 or more elsewhere."""
+
+SLIM = (1.0, 0.9, 0.8, 0.7, 0.6)
+"""Widths and heights of a parametric bone that are tried in turn, over the usual ones."""
+
+BEHIND = 0.5
+"""Distance in mm of the cut from the proximal end of the skin."""
 
 ASYMMETRY = 0.15
 """Largest mean distance of a scan, or of its bone, from its mirror image, over half its width."""
@@ -77,28 +73,31 @@ def scanned(recipe: Recipe) -> Shape:
     is far from symmetric, or leaves no room for the bone.
     """
     file = _read(recipe)
-    mesh = _refined(file.mesh, open_behind=True)
-    aside = np.array([0.0, mesh.bounds[:, 1].mean(), 0.0])
-    skin = _cloud(mesh, aside)
-    averaged = _check_symmetry(skin, file, recipe)
+    mesh = _refined(file.mesh, skin_from=file.start)
+    skin = _cloud(mesh, np.zeros(3))
+    averaged = _check_symmetry(skin, recipe)
     touch = _first_touch(skin)
     skin = Cloud.of(skin.points - touch, skin.point_normals)
     under = replace(skin, inset=recipe.skin_thickness)
-    low, high = mesh.bounds - aside - touch
+    low, high = mesh.bounds - touch
     tip, top = float(high[0]), float(high[2])
-    cut = max(float(low[0]) + 0.5, tip - LENGTH)
+    start = max(file.start - float(touch[0]), float(low[0])) + BEHIND
+    cut = max(start, tip - used_length(recipe.width))
     level, tables = _profiles(skin, cut)
-    start = float((aside + touch)[0])
-    height = (level - float(low[2])) / (top - float(low[2]))
-    problem = _misplaced(file, recipe, height) or _rounded_behind(file, recipe, tables, start)
+    cut, shortened = _wide_cut(file, recipe, tables, cut)
+    if shortened:
+        level, tables = _profiles(skin, cut)
     inset = {name: offset(table, recipe.skin_thickness) for name, table in tables.items()}
     try:
         back = level + _lowest_back(recipe, tables["dorsal"], tip)
-        bone, near_bone, of_bone = _bone(recipe, aside + touch, cut=cut, tip=tip, top=back)
+        _check_length(recipe, tip - cut)
+        bone, near_bone, of_bone = _bone(
+            file, recipe, under, origin=touch, cut=cut, tip=tip, top=back
+        )
         inside = _half(bone, near_bone, finger_shape.FINE)
         finger_shape.check_room(under, surface.without_caps(inside)[0], recipe)
     except InputError as error:
-        raise _repaired(problem or error, file) from None
+        raise _repaired(error, file) from None
     shells = (skin, under, bone)
     near = (Shell.of(level, cut=cut, **tables), Shell.of(level, cut=cut, **inset), near_bone)
     soft = zip(shells[:2], near[:2], strict=True)
@@ -121,52 +120,41 @@ def scanned(recipe: Recipe) -> Shape:
         ],
         sections=near,
         volumes=finger_shape.region_volumes(*map(surface.volume, halves)),
-        notes=(*file.notes, *_facets(file), *averaged, *_lowered(recipe, top - back), *of_bone),
+        notes=(
+            *file.notes,
+            *_facets(file),
+            *averaged,
+            *shortened,
+            *_lowered(recipe, top - back),
+            *of_bone,
+        ),
     )
 
 
-def _misplaced(file: SurfaceFile, recipe: Recipe, height: float) -> InputError | None:
-    """Return why a scan has no room for a bone, if it lies upside down or is no fingertip.
+def _wide_cut(
+    file: SurfaceFile, recipe: Recipe, tables: dict[str, Table], cut: float
+) -> tuple[float, tuple[str, ...]]:
+    """Move the cut of a scan that is rounded at its proximal end to where it is wide, with a note.
 
-    height: of the foremost point above the lowest one, over the thickness.
-    """
-    share = float(file.mesh.volume / np.prod(file.mesh.extents))
-    name = f"finger.surface: {Path(str(recipe.surface)).name}"
-    if height < NAIL_DOWN:
-        return InputError(
-            f"{name} seems to have the nail down, or to dip its tip: that is in the lower half, at "
-            f"{height:.2g} of the thickness, and a bone under the nail would leave the skin; turn "
-            "it about y until its back is level, or about x by 180 degrees"
-        )
-    if share < ROUND:
-        return InputError(
-            f"{name} is rounded at both ends, as a ball; expected the skin of a fingertip that is "
-            "cut behind the nail, 1.1 to 2 widths from the tip"
-        )
-    return None
-
-
-def _rounded_behind(
-    file: SurfaceFile, recipe: Recipe, tables: dict[str, Table], start: float
-) -> InputError | None:
-    """Return why a scan has no room for a bone, if it is rounded at its proximal end.
-
-    start: x of the first touch in the file, mm.
+    Raises InputError where too little is left.
     """
     x, side = tables["side"]
     wide = side / side.max()
     if wide[0] >= NARROWED:
-        return None
-    flat = float(x[np.argmax(wide >= FULL)])
-    least = finger_shape.length_needed(recipe)
-    advice = f"cut it flat near x = {start + flat:.1f} mm"
+        return cut, ()
+    flat, least = float(x[np.argmax(wide >= FULL)]), finger_shape.length_needed(recipe)
+    name = Path(str(recipe.surface)).name
     if x[-1] - flat < least:
-        advice = f"scan at least {least:.1f} mm from the tip and cut it flat there"
-    return InputError(
-        f"finger.surface: {Path(str(recipe.surface)).name} is rounded at its proximal end, where "
-        f"a bone would leave the skin near x = {start + x[0]:.1f} mm; expected a fingertip that is "
-        f"cut flat where it is wide: {advice}"
-    )
+        raise _repaired(
+            InputError(
+                f"finger.surface: {name} is rounded at its proximal end, as a ball, and "
+                f"{x[-1] - flat:.1f} mm long where it is wide; expected a fingertip that is cut "
+                f"{least:.1f} mm from the tip or more"
+            ),
+            file,
+        )
+    note = f"{name} is rounded at its proximal end: it was cut {x[-1] - flat:.1f} mm from the tip."
+    return flat, (note,)
 
 
 def _repaired(error: InputError, file: SurfaceFile) -> InputError:
@@ -174,25 +162,62 @@ def _repaired(error: InputError, file: SurfaceFile) -> InputError:
     return InputError(" ".join([str(error), *(f"({note})" for note in file.notes[1:])]))
 
 
+def _check_length(recipe: Recipe, length: float) -> None:
+    """Raise InputError for a scan that has no length for a bone with a base."""
+    ahead = finger_shape.BASE * recipe.width
+    if recipe.bone_surface is None and length < ahead + SHORTEST * recipe.thickness:
+        raise InputError(
+            f"finger.surface: expected a scan that is whole up to {SHORTEST * recipe.thickness:.1f}"
+            f" + {ahead:.1f} mm from its tip, for the tissue ahead of a bone and its base, received "
+            f"one that is up to {length:.1f} mm; use a longer one"
+        )
+
+
 def _bone(
-    recipe: Recipe, origin: Array, *, cut: float, tip: float, top: float
+    file: SurfaceFile,
+    recipe: Recipe,
+    under: Cloud,
+    *,
+    origin: Array,
+    cut: float,
+    tip: float,
+    top: float,
 ) -> tuple[SmoothSurface, Shell, tuple[str, ...]]:
     """Return the bone of a recipe, of its file or a parametric one, a shell near it, and notes."""
     if recipe.bone_surface is None:
-        shell = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top)
-        return shell, shell, ()
-    closed, notes = read_closed(recipe.bone_surface, field="finger.bone_surface")
+        return _parametric_bone(recipe, under, cut=cut, tip=tip, top=top)
+    closed, notes = read_closed(recipe.bone_surface, field="finger.bone_surface", place=file.place)
     cloud = _cloud(_refined(closed), origin)
     away, name = cloud.asymmetry(), Path(recipe.bone_surface).name
     if away > ASYMMETRY * recipe.width / 2.0:
         raise InputError(
             f"finger.bone_surface: expected a bone nearly symmetric about the middle of the skin, "
-            f"y = {origin[1]:.2f} mm in the files, received {name} with a mean distance of "
-            f"{away:.2f} mm from its mirror image there; its box has its middle at y = "
-            f"{closed.bounds[:, 1].mean():.2f} mm: place it as the skin, or leave it out"
+            f"received {name} with a mean distance of {away:.2f} mm from its mirror image there, "
+            f"and the middle of its box {closed.bounds[:, 1].mean():.2f} mm aside (y): place it as "
+            "the skin, or leave it out"
         )
     level, tables = _profiles(cloud, cut)
     return cloud, Shell.of(level, cut=cut, **tables), (*notes, *_averaged(name, away))
+
+
+def _parametric_bone(
+    recipe: Recipe, under: Cloud, *, cut: float, tip: float, top: float
+) -> tuple[SmoothSurface, Shell, tuple[str, ...]]:
+    """Return a parametric bone twice, and notes: as slim, and as far ahead, as the skin needs."""
+    notes: tuple[str, ...] = ()
+    for slim in SLIM:
+        shell = finger_shape.distal_phalanx(recipe, cut=cut, tip=tip, top=top, slim=slim)
+        points = surface.without_caps(surface.half(shell, 0.5))[0]
+        if -float(under.level(points).max()) >= finger_shape.ROOM:
+            break
+    if slim < 1.0:
+        notes = (f"The bone has {slim:g} of its usual width and height, to be inside this skin.",)
+    if recipe.tip_tissue is not None and tip - shell.tip < recipe.tip_tissue - AVERAGED:
+        notes += (
+            f"The bone ends {tip - shell.tip:.1f} mm before the tip, not {recipe.tip_tissue:.3g} mm"
+            f" as finger.tip_tissue says: the scan is whole up to {tip - cut:.1f} mm from its tip.",
+        )
+    return shell, shell, notes
 
 
 def _lowest_back(recipe: Recipe, dorsal: Table, tip: float) -> float:
@@ -249,29 +274,25 @@ def _profiles(cloud: Cloud, cut: float) -> tuple[float, dict[str, Table]]:
     return float(middle), tables
 
 
-def _refined(closed: "Trimesh", *, open_behind: bool = False) -> "Trimesh":
-    """Refine a surface to edges of at most SPACING; optionally remove its proximal end face.
-
-    The end face, all faces of the proximal quarter with a normal toward -x, is not skin.
-    """
+def _refined(closed: "Trimesh", *, skin_from: float | None = None) -> "Trimesh":
+    """Refine a surface to edges of at most SPACING; optionally only its skin, from x mm on."""
     import trimesh
 
+    if skin_from is not None:
+        closed = closed.copy()
+        closed.update_faces(closed.triangles_center[:, 0] > skin_from)
+        closed.remove_unreferenced_vertices()
     points, faces = trimesh.remesh.subdivide_to_size(closed.vertices, closed.faces, SPACING)
-    fine = trimesh.Trimesh(points, faces)
-    back = fine.triangles_center[:, 0] < fine.bounds[0, 0] + BACK * fine.extents[0]
-    if open_behind:
-        fine.update_faces(~(back & (fine.face_normals[:, 0] < -0.7)))
-        fine.remove_unreferenced_vertices()
-    return fine
+    return trimesh.Trimesh(points, faces)
 
 
 def _read(recipe: Recipe) -> SurfaceFile:
     """Read the surface file of a recipe; InputError for another width than the recipe's."""
-    file = read_surface(str(recipe.surface))
+    file = read_surface(str(recipe.surface), "finger.surface")
     if abs(file.width / recipe.width - 1.0) > SIZE_ERROR:
         raise InputError(
-            f"surface: expected a finger about {recipe.width:g} mm wide along y, received "
-            f"{file.width:.4g}; the file must be in mm with x distal, y radial and z dorsal"
+            f"finger.surface: expected a finger about {recipe.width:g} mm wide, received one of "
+            f"{file.width:.4g}; the file must be in mm"
         )
     return file
 
@@ -293,18 +314,17 @@ def _first_touch(skin: Cloud) -> Array:
     return np.asarray(line[np.argmax(line @ PLATE_NORMAL)])
 
 
-def _check_symmetry(skin: Cloud, file: SurfaceFile, recipe: Recipe) -> tuple[str, ...]:
+def _check_symmetry(skin: Cloud, recipe: Recipe) -> tuple[str, ...]:
     """Return the note on the mean of a surface and its mirror image in y = 0.
 
     Raises InputError if the two are far from each other.
     """
     away = skin.asymmetry()
     if away > ASYMMETRY * recipe.width / 2.0:
-        tilted, turn = tilt(file.mesh, "z") or ("", "x until the pad faces down (-z)")
-        which = f" that {tilted}" if tilted else ""
         raise InputError(
-            f"surface: expected a finger nearly symmetric in y, received one{which} with a mean "
-            f"distance of {away:.2f} mm from its mirror image; turn it about {turn}"
+            "finger.surface: expected a finger nearly symmetric about its middle, received one "
+            f"with a mean distance of {away:.2f} mm from its best mirror image; cut the fingertip "
+            "alone out of the scan"
         )
     return _averaged(Path(str(recipe.surface)).name, away)
 
@@ -328,7 +348,7 @@ def _facets(file: SurfaceFile) -> tuple[str, ...]:
     """
     mesh = file.mesh
     palm = mesh.face_normals[:, 2] < -0.5
-    palm &= mesh.triangles_center[:, 0] > mesh.bounds[1, 0] - LENGTH
+    palm &= mesh.triangles_center[:, 0] > file.start
     areas = mesh.area_faces[palm]
     edge = float(np.sqrt(4.0 / np.sqrt(3.0) * np.average(areas, weights=areas)))
     if edge < COARSE:

@@ -1,0 +1,278 @@
+"""Axes of a scanned fingertip, found from its surface wherever the file has it.
+
+A fingertip of closed form is fitted from 24 directions, which tells the tip from the cut and the
+nail from the pad. The middle is then the plane of the surface's own mirror symmetry, and the back
+is turned level: neither depends on where the scan was cut, nor on how it was held.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fefinger.support.arrays import Array, Flags
+
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+
+FEW, MANY = 300, 4000
+"""Points of a surface that the 24 fits see, and those of the symmetry and the back."""
+
+REACH = 1.6
+"""Distance from the tip, over the width, up to which a surface is compared with a fingertip."""
+
+OUTLIER = 0.15
+"""Distance from the fitted fingertip, over its width, from which a point is none of it."""
+
+OTHER_SIDE = 0.9
+"""Least misfit over that of other directions, which are then alike: the one nearest to the axes of
+the file counts."""
+
+BACK = (0.4, 1.35)
+"""Range of the distance from the tip, over the width, in which the back is to be level."""
+
+UP, MIDDLE = 0.7, 0.2
+"""Least z of a normal of the back, and largest |y| of it over the width."""
+
+LARGER = 1.6
+"""Largest ratio of width and thickness to those that a fit starts from."""
+
+FLATTER, SPREAD, TIPS, WEIGHT = 0.8, 0.15, 0.7, 0.1
+"""Usual thickness over width, standard deviation of its logarithm and of that of the length of the
+tip, and weight of both against the distances of all points."""
+
+SHARPER = 4.0
+"""Largest ratio of the length of the tip to that of the fingers of the thesis."""
+
+UNSEEN = 0.1
+"""Cost of a point farther than REACH from the tip: fits that look at few points are no better."""
+
+ROUNDS = 6
+"""Repetitions of symmetry and level: each turn changes a little what is looked at."""
+
+SIDE, NEAR_TIP, ALONG = 0.6, 1.1, (3.0, 1.4)
+"""Distance from the tip, over the width, where sides and palm of the fingertip of closed form stop
+to widen, and exponents of both profiles: near those of the fingers of the thesis."""
+
+PALM = 0.7
+"""Part of the thickness below the widest level."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Axes of a fingertip in a file, and how like one it is.
+
+    Attributes
+    ----------
+    place : (4, 4) transform from the file to x distal, y radial with 0 in the middle, z dorsal.
+    misfit : root mean square distance from the fitted fingertip over its width, of what is near.
+    apart : share of the surface up to REACH widths from the tip that is none of the fingertip.
+    width, thickness : of the fitted fingertip, in units of the file.
+
+    """
+
+    place: Array
+    misfit: float
+    apart: float
+    width: float
+    thickness: float
+
+    @property
+    def turn(self) -> float:
+        """Angle in degrees between the axes of the file and those found."""
+        return float(np.degrees(np.arccos(np.clip((np.trace(self.place[:3, :3]) - 1) / 2, -1, 1))))
+
+
+def fingertip_axes(mesh: "Trimesh") -> Axes:
+    """Find the axes of a surface (trimesh), open or closed."""
+    points, normals = _sampled(mesh, MANY)
+    center, size = points.mean(axis=0), float(np.linalg.norm(np.ptp(points, axis=0)))
+    scaled = (points - center) / size
+    few = scaled[:: len(scaled) // FEW]
+    frames = [_fitted(few, frame) for frame in _directions(normals)]
+    least = min(each.misfit for each in frames)
+    alike = [each for each in frames if each.misfit <= least / OTHER_SIDE]
+    chosen = max(alike, key=lambda each: float(np.trace(each.axes)))  # turned least
+    chosen = _fitted(scaled, chosen.axes, chosen)
+    axes, origin = chosen.axes, chosen.origin
+    for _ in range(ROUNDS):
+        axes, origin = _symmetric(scaled, normals, axes, origin, chosen.width)
+        axes = _level(scaled, normals, axes, origin, chosen.width)
+    place = np.eye(4)
+    place[:3, :3] = axes
+    place[:3, 3] = -axes @ (center + size * origin)
+    seen = chosen.near(scaled)
+    away = np.abs(chosen.distance(scaled)[seen]) / chosen.width
+    inside = away < OUTLIER
+    return Axes(
+        place,
+        float(np.sqrt(np.mean(away[inside] ** 2))) if inside.any() else 1.0,
+        float(1.0 - inside.mean()) if seen.any() else 1.0,
+        size * chosen.width,
+        size * chosen.thickness,
+    )
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fingertip of closed form: axes (3, 3) in rows, its tip at origin (3,), width, thickness."""
+
+    axes: Array
+    origin: Array
+    width: float
+    thickness: float
+    blunt: float
+    misfit: float
+
+    def near(self, points: Array) -> Flags:
+        """Whether points (n, 3) are up to REACH widths from the tip."""
+        return np.asarray((points - self.origin) @ self.axes[0] > -REACH * self.width)
+
+    def distance(self, points: Array) -> Array:
+        """Distances (n,) of points (n, 3), of the first order."""
+        return _distance(
+            (points - self.origin) @ self.axes.T, self.width, self.thickness, self.blunt
+        )
+
+
+def _distance(local: Array, width: float, thickness: float, blunt: float) -> Array:
+    """Distance (n,) from the fingertip of closed form of points (n, 3), its tip at 0."""
+    x, y, z = local.T
+    behind = np.maximum(-x / width, 1e-3)
+    side, side_slope = _profile(behind, SIDE * blunt, ALONG[0])
+    palm, palm_slope = _profile(behind, NEAR_TIP * blunt, ALONG[1])
+    below = z < 0.0
+    half_y = width / 2 * side
+    half_z = thickness * np.where(below, PALM * palm, (1.0 - PALM) * side)
+    slope = np.where(below, palm_slope / palm, side_slope / side)
+    one, other = (y / half_y) ** 2, (z / half_z) ** 2
+    gradient = np.stack(
+        [(one * side_slope / side + other * slope) / width, y / half_y**2, z / half_z**2]
+    )
+    ahead = np.maximum(x + 1e-3 * width, 0.0)  # of the tip, where there are no sections
+    return np.asarray((one + other - 1.0) / 2 / np.linalg.norm(gradient, axis=0).clip(1e-9) + ahead)
+
+
+def _profile(behind: Array, reach: float, exponent: float) -> tuple[Array, Array]:
+    """Half size (n,) over the largest, and its slope, at distances from the tip."""
+    left = np.maximum(1.0 - behind / reach, 0.0)
+    size = np.sqrt(1.0 - left**exponent)
+    return size, exponent * left ** (exponent - 1.0) / (2.0 * reach * size)
+
+
+def _sampled(mesh: "Trimesh", count: int) -> tuple[Array, Array]:
+    """Points (n, 3) spread evenly over a surface, seeded, and its normals there (n, 3)."""
+    random = np.random.default_rng(0)
+    ends = np.cumsum(mesh.area_faces)
+    at = np.searchsorted(ends, (np.arange(count) + random.random(count)) / count * ends[-1])
+    at = random.permutation(np.minimum(at, len(ends) - 1))
+    a, b = random.random((2, count, 1))
+    a, b = np.where(a + b > 1.0, 1.0 - a, a), np.where(a + b > 1.0, 1.0 - b, b)
+    first, second, third = np.moveaxis(np.asarray(mesh.triangles[at], dtype=float), 1, 0)
+    return first + a * (second - first) + b * (third - first), np.asarray(mesh.face_normals[at])
+
+
+def _directions(normals: Array) -> list[Array]:
+    """Axes (3, 3) to start from: those of the file first, then all turns of the principal ones.
+
+    The long axis is the one that the normals (n, 3) face least.
+    """
+    found = np.linalg.eigh(normals.T @ normals)[1].T
+    frames = [np.eye(3)]
+    for start in (np.eye(3), found):
+        for long, sign, roll in product(range(3), (1.0, -1.0), range(4)):
+            x, y = sign * start[long], start[(long + 1) % 3]
+            z = np.cross(x, y)
+            angle = np.pi / 2 * roll
+            y, z = np.cos(angle) * y + np.sin(angle) * z, np.cos(angle) * z - np.sin(angle) * y
+            frames.append(np.stack([x, y, z]))
+    return frames
+
+
+def _fitted(points: Array, start: Array, before: Fit | None = None) -> Fit:
+    """Fit the fingertip of closed form to points (n, 3), from axes (3, 3) or from a fit."""
+    from scipy.optimize import least_squares
+    from scipy.spatial.transform import Rotation
+
+    if before is None:
+        local = points @ start.T
+        tip = float(local[:, 0].max())
+        width = float(np.ptp(local[:, 1]))
+        middle = local[:, 1:].min(axis=0) + np.ptp(local[:, 1:], axis=0) * [0.5, PALM]
+        before = Fit(
+            start, start.T @ np.array([tip, *middle]), width, float(np.ptp(local[:, 2])), 1.0, 0.0
+        )
+
+    def fit_of(values: Array) -> Fit:
+        axes = Rotation.from_rotvec(values[:3]).as_matrix() @ before.axes
+        width, thickness = np.exp(values[6:8]) * [before.width, before.thickness]
+        blunt = before.blunt * np.exp(values[8])
+        return Fit(axes, before.origin + values[3:6] * before.width, width, thickness, blunt, 0.0)
+
+    seen = before.near(points)
+    unit = OUTLIER * np.sqrt(8.0 * np.sort(np.linalg.eigvalsh(np.cov(points.T)))[1])
+
+    def away(values: Array) -> Array:
+        fit = fit_of(values)
+        usual = np.log(fit.thickness / fit.width / FLATTER) / SPREAD, np.log(fit.blunt) / TIPS
+        held = np.sqrt(len(points)) * WEIGHT * np.array(usual)
+        return np.append(fit.distance(points[seen]) / unit, held)
+
+    bounds = np.full(9, np.inf)
+    bounds[6:8], bounds[8] = np.log(LARGER), np.log(SHARPER)
+    found = least_squares(away, np.zeros(9), bounds=(-bounds, bounds), loss="soft_l1", max_nfev=20)
+    fit = fit_of(found.x)
+    misfit = (found.cost + UNSEEN * np.sum(~seen)) / len(points)
+    return replace(fit, misfit=float(misfit))
+
+
+def _symmetric(
+    points: Array, normals: Array, axes: Array, origin: Array, width: float
+) -> tuple[Array, Array]:
+    """Turn axes (3, 3) and move the origin so that y = 0 is the surface's plane of symmetry."""
+    from scipy.spatial import cKDTree
+
+    seen = (points - origin) @ axes[0] > -REACH * width
+    here, facing = (points[seen] - origin) @ axes.T, normals[seen] @ axes.T
+    skin = facing[:, 0] > -0.7
+    here, facing = here[skin], facing[skin]
+    image = here * [1.0, -1.0, 1.0]
+    distance, near = cKDTree(here).query(image)
+    fits = (distance < OUTLIER * width) & (facing[near] @ [1, 0, 0] > -0.7)
+    image, near = image[fits], near[fits]
+    normal = facing[near]
+    off = np.einsum("ni,ni->n", here[near] - image, normal)
+    # The image turned by twice the yaw and roll of the plane, and moved by twice its distance.
+    turns = np.cross(image, normal)
+    matrix = np.column_stack([turns[:, 0], turns[:, 2], normal[:, 1]])
+    weight = 1.0 / np.maximum(np.abs(off), 0.02 * width)
+    twice = np.linalg.lstsq(matrix * weight[:, None], off * weight, rcond=None)[0]
+    roll, yaw, aside = twice / 2.0
+    return _turned(axes, [roll, 0.0, yaw]), origin + axes.T @ [0.0, aside, 0.0]
+
+
+def _level(points: Array, normals: Array, axes: Array, origin: Array, width: float) -> Array:
+    """Turn axes (3, 3) about y so that the back is level."""
+    from scipy.optimize import least_squares
+
+    local, facing = (points - origin) @ axes.T / width, normals @ axes.T
+    tip = float(local[:, 0].max())
+    behind = tip - local[:, 0]
+    seen = (behind > BACK[0]) & (behind < BACK[1])
+    seen &= (np.abs(local[:, 1]) < MIDDLE) & (facing[:, 2] > UP)
+    x, y, z = local[seen].T
+    if len(x) < 10:
+        return axes
+    terms = np.stack([np.ones_like(x), x, y**2], axis=1)
+    fit = least_squares(lambda c: terms @ c - z, np.zeros(3), loss="soft_l1", f_scale=0.02)
+    return _turned(axes, [0.0, -np.arctan(fit.x[1]), 0.0])
+
+
+def _turned(axes: Array, by: Any) -> Array:
+    """Turn axes (3, 3) in rows by a vector (3,) of angles about themselves."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_rotvec(by).as_matrix().T @ axes)
