@@ -63,7 +63,7 @@ ONLY = {
     "trimesh": ("fefinger.geometry", "fefinger.mesh"),
     "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
     "pyvista": (
-        *("fefinger.view", "fefinger.geometry.surface_file"),
+        *("fefinger.view", "fefinger.geometry.surface_load", "fefinger.geometry.surface_repair"),
         "fefinger.geometry.sampled_distance",
     ),
     "vtk": "fefinger.view",

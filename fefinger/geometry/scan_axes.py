@@ -27,11 +27,15 @@ REACH = 1.6
 OUTLIER = 0.15
 """Distance from the fitted fingertip, over its width, from which a point is none of it."""
 
+WIDE_RIM = 0.25
+"""Size of the rim of an open end over the surface's diagonal, from which on it is the proximal one.
+"""
+
 OTHER_SIDE = 0.9
 """Least misfit over that of other directions, which are then alike: the one nearest to the axes of
 the file counts."""
 
-BACK = (0.4, 1.35)
+BACK = (0.5, 1.35)
 """Range of the distance from the tip, over the width, in which the back is to be level."""
 
 UP, MIDDLE = 0.7, 0.2
@@ -93,11 +97,16 @@ def fingertip_axes(mesh: "Trimesh") -> Axes:
     scaled = (points - center) / size
     few = scaled[:: len(scaled) // FEW]
     frames = [_fitted(few, frame) for frame in _directions(normals)]
+    rim = (_rim(mesh) - center) / size
+    if len(rim) and np.ptp(rim, axis=0).max() > WIDE_RIM:
+        proximal = rim.mean(axis=0)
+        frames = [each for each in frames if each.axes[0] @ proximal < 0.0] or frames
     least = min(each.misfit for each in frames)
     alike = [each for each in frames if each.misfit <= least / OTHER_SIDE]
     chosen = max(alike, key=lambda each: float(np.trace(each.axes)))  # turned least
     chosen = _fitted(scaled, chosen.axes, chosen)
     axes, origin = chosen.axes, chosen.origin
+    normals = _outward(chosen, scaled, normals)
     for _ in range(ROUNDS):
         axes, origin = _symmetric(scaled, normals, axes, origin, chosen.width)
         axes = _level(scaled, normals, axes, origin, chosen.width)
@@ -223,10 +232,25 @@ def _fitted(points: Array, start: Array, before: Fit | None = None) -> Fit:
 
     bounds = np.full(9, np.inf)
     bounds[6:8], bounds[8] = np.log(LARGER), np.log(SHARPER)
-    found = least_squares(away, np.zeros(9), bounds=(-bounds, bounds), loss="soft_l1", max_nfev=20)
+    found = least_squares(away, np.zeros(9), bounds=(-bounds, bounds), loss="soft_l1", max_nfev=40)
     fit = fit_of(found.x)
     misfit = (found.cost + UNSEEN * np.sum(~seen)) / len(points)
     return replace(fit, misfit=float(misfit))
+
+
+def _rim(mesh: "Trimesh") -> Array:
+    """Return the points (n, 3) of the edges of single triangles."""
+    from trimesh.grouping import group_rows
+
+    edges = mesh.edges[group_rows(mesh.edges_sorted, require_count=1)]
+    return np.asarray(mesh.vertices[np.unique(edges)], dtype=float)
+
+
+def _outward(fit: Fit, points: Array, normals: Array) -> Array:
+    """Return normals (n, 3) at points of a surface as they face away from its long axis."""
+    along = np.minimum((points - fit.origin) @ fit.axes[0], -fit.width / 2)
+    away = points - fit.origin - along[:, None] * fit.axes[0]
+    return normals * np.where(np.einsum("ni,ni->n", away, normals) < 0.0, -1.0, 1.0)[:, None]
 
 
 def _symmetric(

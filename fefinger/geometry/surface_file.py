@@ -106,7 +106,7 @@ def _read(path: str | Path, field: str, _state: tuple[int, int]) -> SurfaceFile:
     mesh.apply_transform(axes.place)
     tip = float(mesh.bounds[1, 0])
     problem = f"{field}: expected a closed surface, {file.name}"
-    repairs, start = close(mesh, problem, tip - WHOLE * axes.width)
+    repairs, start = close(mesh, problem, tip - WHOLE * axes.width, axes.place)
     crossing = crossings(mesh)
     if crossing is not None:
         x, y, z = np.linalg.inv(axes.place)[:3] @ [*crossing, 1.0]
@@ -132,7 +132,7 @@ def used_length(width: float) -> float:
 
 
 def _check_likeness(mesh: "Trimesh", axes: Axes, name: str) -> str:
-    """Format the size of the box; raise InputError where the shape or the unit is no fingertip's."""
+    """Return the size of the box as text; InputError for no shape or no size of a fingertip."""
     size = " x ".join(f"{value:.4g}" for value in mesh.extents)
     if axes.misfit > MISFIT or axes.apart > APART:
         raise InputError(
@@ -180,7 +180,7 @@ def _end_face(mesh: "Trimesh", behind: float) -> float:
 
 
 def _check_round(mesh: "Trimesh", name: str, start: float, used: float) -> None:
-    """Raise InputError where much of the skin is flat, as the sides of a box: no mesh follows it."""
+    """Raise InputError where much of the skin is flat, as a box: no mesh follows it."""
     x, normals, areas = mesh.triangles_center[:, 0], mesh.face_normals, mesh.area_faces
     skin = x > max(start, used)
     normals, areas = normals[skin], areas[skin]

@@ -37,9 +37,8 @@ def read_closed(
     if place is not None:
         mesh.apply_transform(place)
     low, high = mesh.bounds[:, 0]
-    more, _ = close(
-        mesh, f"{field}: expected a closed surface, {Path(path).name}", low + BACK * (high - low)
-    )
+    problem = f"{field}: expected a closed surface, {Path(path).name}"
+    more, _ = close(mesh, problem, low + BACK * (high - low), place)
     return mesh, (*notes, *more)
 
 
@@ -85,21 +84,24 @@ def _largest(mesh: "Trimesh", parts: int, file: Path, field: str) -> str:
     )
 
 
-def close(mesh: "Trimesh", problem: str, behind: float) -> tuple[tuple[str, ...], float]:
+def close(
+    mesh: "Trimesh", problem: str, behind: float, place: Array | None = None
+) -> tuple[tuple[str, ...], float]:
     """Close a surface and orient it outward, in place; return notes, and x where its skin begins.
 
     Holes are filled where they are small or lie proximal of x = `behind` mm. `problem` begins the
-    message of an InputError.
+    message of an InputError; place: (4, 4) transform that the file's points were moved by.
     """
     notes, start = [], float(mesh.bounds[0, 0])
     pinched = _without_pinches(mesh)
     if pinched:
         notes.append(f"{pinched} triangles at edges with more than two of them were left out.")
-    for loop in _holes(mesh, problem, behind):
+    back = np.asarray(np.eye(4) if place is None else np.linalg.inv(place), dtype=float)
+    for loop in _holes(mesh, problem, behind, back):
         rim = mesh.vertices[np.unique(loop)]
         if _is_wide(rim, mesh):
             start = max(start, float(rim[:, 0].max()))
-        notes.append(_filled(mesh, loop))
+        notes.append(_filled(mesh, loop, back))
     if _face_outward(mesh):
         notes.append("Triangles that faced inward were turned outward.")
     if not mesh.is_watertight or mesh.volume <= 0:
@@ -116,7 +118,7 @@ def _without_pinches(mesh: "Trimesh") -> int:
 
     dropped = 0
     for _ in range(3):
-        edges, inverse, count = np.unique(
+        _, inverse, count = np.unique(
             mesh.edges_sorted, axis=0, return_inverse=True, return_counts=True
         )
         bad = (count[inverse.ravel()] > 2).reshape(-1, 3).any(axis=1)
@@ -150,7 +152,7 @@ def _face_outward(mesh: "Trimesh") -> bool:
     return True
 
 
-def _holes(mesh: "Trimesh", problem: str, behind: float) -> list[Integers]:
+def _holes(mesh: "Trimesh", problem: str, behind: float, back: Array) -> list[Integers]:
     """Rims of the holes that may be filled: small ones, and those proximal of x = `behind`.
 
     A rim holds the edges (n, 2) in the direction of their triangles.
@@ -165,7 +167,7 @@ def _holes(mesh: "Trimesh", problem: str, behind: float) -> list[Integers]:
         points = mesh.vertices[np.unique(loop)]
         if _is_wide(points, mesh) and not (points[:, 0] < behind).all():
             across = float(np.ptp(points, axis=0).max())
-            x, y, z = points.mean(axis=0)
+            x, y, z = back[:3] @ np.append(points.mean(axis=0), 1.0)
             raise InputError(
                 f"{problem} has a hole {across:.3g} mm wide near ({x:.3g}, {y:.3g}, {z:.3g}) mm; "
                 "close it in the program that made it"
@@ -173,7 +175,7 @@ def _holes(mesh: "Trimesh", problem: str, behind: float) -> list[Integers]:
     return loops
 
 
-def _filled(mesh: "Trimesh", loop: Integers) -> str:
+def _filled(mesh: "Trimesh", loop: Integers, back: Array) -> str:
     """Close a hole by rings of triangles about its center; return a note on it.
 
     In the skin they follow the surface around it: a flat lid of a hole in the pad leaves an edge,
@@ -198,7 +200,7 @@ def _filled(mesh: "Trimesh", loop: Integers) -> str:
         fans += [[far[b], far[a], near[a]], [far[b], near[a], near[b]]]
     mesh.vertices = np.vstack([mesh.vertices, lid])
     mesh.faces = np.vstack([mesh.faces, *(np.column_stack(fan) for fan in fans)])
-    x, y, z = middle
+    x, y, z = back[:3] @ np.append(middle, 1.0)
     return f"A hole of {len(loop)} edges near ({x:.3g}, {y:.3g}, {z:.3g}) mm was filled."
 
 

@@ -170,7 +170,8 @@ def _off(quality: dict[str, Any], bounds: Bounds) -> list[str]:
     for name, error in quality["volume_errors"].items():
         if not abs(error) <= bounds.volume:
             faults.append(
-                f"a {name} volume {error:+.1%} off its surface's, wanted {bounds.volume:.0%} or less"
+                f"a {name} volume {error:+.1%} off its surface's, wanted {bounds.volume:.0%} or "
+                "less"
             )
     for name, error in zip(("along", "across"), quality["radii_errors"], strict=True):
         if not abs(error) <= bounds.radius:

@@ -22,10 +22,11 @@ FORMAT = 2
 """Version of the builder in the cache key; increased when a recipe gives another mesh. Version 2
 morphs shipped meshes."""
 
-SURFACE_FORMAT = 5
+SURFACE_FORMAT = 6
 """The same for fingers from a surface file; version 3 morphs too, and averages their two halves;
 version 4 has the nail above the tip, not above half of the thickness; version 5 has curved skin in
-holes."""
+holes;
+version 6 finds the axes of the scan and morphs the finest mesh."""
 
 
 Touch = float | tuple[float, float] | None

@@ -167,9 +167,9 @@ def _check_length(recipe: Recipe, length: float) -> None:
     ahead = finger_shape.BASE * recipe.width
     if recipe.bone_surface is None and length < ahead + SHORTEST * recipe.thickness:
         raise InputError(
-            f"finger.surface: expected a scan that is whole up to {SHORTEST * recipe.thickness:.1f}"
-            f" + {ahead:.1f} mm from its tip, for the tissue ahead of a bone and its base, received "
-            f"one that is up to {length:.1f} mm; use a longer one"
+            "finger.surface: expected a scan that is whole up to "
+            f"{ahead + SHORTEST * recipe.thickness:.1f} mm from its tip, for the tissue ahead of a "
+            f"bone and its base, received one that is up to {length:.1f} mm; use a longer one"
         )
 
 

@@ -1,5 +1,6 @@
 """Rigid plates with a text in Braille or in embossed letters, which a finger reads."""
 
+import re
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -42,12 +43,14 @@ LETTERS = {
     "w": "2456",
 }
 SIGNS = {" ": "", ",": "2", ".": "256", "?": "236", "!": "235", "-": "36"}
-NUMBER, LETTER = "3456", "56"
+NUMBER, LETTER, CAPITAL_SIGN = "3456", "56", "6"
+WORD = re.compile(r"[A-Z]{2,}(?![a-z])")
 FIGURES = dict(zip("1234567890", FIRST, strict=True))
 """Dots of signs in Braille, counted down the left column of a cell, then down the right one.
 
 The letters are those of Louis Braille, shared by the languages with Latin letters; figures follow
-the number sign."""
+the number sign. Signs, capitals and numbers are those of Unified English Braille, grade 1. A word
+of capitals is one of two or more."""
 
 
 Words = Annotated[str, Key("The text, along x")]
@@ -263,26 +266,36 @@ def _dense(outline: Array, step: float) -> Array:
 def cells(text: str) -> Iterator[tuple[int, ...]]:
     """Yield the dots of every cell of a text, from 0.
 
+    A number goes on through points and commas that a figure follows. Two signs stand before a word
+    of capitals, one before each other capital.
+
     Raises InputError for a character that the table lacks.
     """
-    in_number = False
-    for character in text.lower():
+    in_number, word_ends = False, 0
+    for place, character in enumerate(text):
+        before, after = text[:place][-1:], text[place + 1 :][:1]
         if character in FIGURES:
             if not in_number:
                 yield _dots(NUMBER)
             in_number = True
             yield _dots(FIGURES[character])
             continue
-        if in_number and character in LETTERS:
-            yield _dots(LETTER)
-        in_number = False
-        if character not in LETTERS and character not in SIGNS:
+        small = character.lower()
+        if small not in LETTERS and small not in SIGNS:
             signs = " ".join(sign for sign in SIGNS if sign.strip())
             raise InputError(
                 f"indenter.text: expected letters a to z, figures, blanks and {signs}, received "
                 f"{character!r}"
             )
-        yield _dots(LETTERS.get(character, SIGNS.get(character, "")))
+        if in_number and character in "abcdefghij":
+            yield _dots(LETTER)
+        in_number = in_number and character in ".," and after.isdigit()
+        if small != character and place >= word_ends:
+            word = WORD.match(text, place)
+            whole = word is not None and not before.isalpha()
+            word_ends = word.end() if word is not None and whole else place + 1
+            yield from [_dots(CAPITAL_SIGN)] * (2 if whole else 1)
+        yield _dots(LETTERS.get(small, SIGNS.get(small, "")))
 
 
 def _dots(digits: str) -> tuple[int, ...]:

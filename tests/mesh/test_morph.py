@@ -156,8 +156,10 @@ def test_the_nail_of_a_new_finger_has_the_size_of_its_outline(
 
 def test_a_template_that_would_be_too_coarse_is_refused() -> None:
     mesh, shape = shipped("ah-coarse")
+    wide = Recipe(19, 14, 19, resolution="coarse")
+    made = morph.draft(mesh, shape, parametric(wide))
     with pytest.raises(ConvergenceError, match="ah-coarse would be stretched 1"):
-        morph.draft(mesh, shape, parametric(Recipe(19, 14, 19, resolution="coarse")))
+        morph.finished(made, parametric(wide), wide)
 
 
 def test_a_shipped_mesh_is_no_morph() -> None:

@@ -82,13 +82,16 @@ def test_regions_come_back(scan: Shape, shape: Shape) -> None:
 
 
 def test_skin_surface_is_within_micrometers(scan: Shape, shape: Shape) -> None:
-    """First touch may slide along the plate: 0.1 mm beside it the flat pad is 0.3 um away."""
+    """First touch may slide along the plate: 0.1 mm beside it the flat pad is 0.3 um away.
+
+    The axes are found to some 0.2 degrees, 0.04 mm at 12 mm from the touch.
+    """
     points = surface.without_caps(surface.half(shape.skin, 0.8))[0]
-    points = points[(points[:, 0] > -18) & (np.abs(shape.skin.level(points)) < 1e-6)]
+    points = points[(points[:, 0] > -12) & (np.abs(shape.skin.level(points)) < 1e-6)]
     slid = [points + slide * ALONG for slide in np.linspace(-0.1, 0.1, 41)]
     away = min((scan.skin.level(places) for places in slid), key=np.linalg.norm)
     assert np.abs(away).max() < 0.05
-    assert np.sqrt(np.mean(away**2)) < 0.01
+    assert np.sqrt(np.mean(away**2)) < 0.02
 
 
 def test_volumes_come_back(scan: Shape, shape: Shape) -> None:
@@ -128,7 +131,7 @@ def test_a_bone_beside_the_middle_is_refused_or_said(
     assert any("mm from its mirror image in the mean" in note for note in scanned(recipe).notes)
     bone.vertices[:, 1] += 1.2
     bone.export(tmp_path / "bone.stl")
-    with pytest.raises(InputError, match=r"bone_surface: .* box has its middle at y = 4.50 mm"):
+    with pytest.raises(InputError, match=r"bone_surface: .* middle of its box 1.\d\d mm aside"):
         scanned(recipe)
 
 
@@ -167,26 +170,14 @@ def test_a_scan_of_large_triangles_says_what_they_cost(
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        ("lopsided", r"nearly symmetric in y, received one with .* turn it about x until the pad"),
-        ("askew", r"tilted about z by about 15 degrees.* turn it about z by about -15 degrees$"),
         ("flat", "mm of subcutaneous tissue around the bone"),
-        ("nail down", r"^finger.surface: bad.stl seems to have the nail down.* x by 180 degrees$"),
-        ("tip down", r"nail down, or to dip its tip: .*; turn it about y until its back is level"),
-        ("ball", r"^finger.surface: bad.stl is rounded at both ends, as a ball"),
+        ("ball", r"^finger.surface: bad.stl, in a box of .* is not shaped as a fingertip"),
     ],
 )
 def test_unusable_surfaces_get_a_sentence(
     stl: Path, tmp_path: Path, fault: str, message: str
 ) -> None:
     mesh = trimesh.load_mesh(stl)
-    if fault == "lopsided":
-        mesh.vertices[:, 2] += 0.5 * mesh.vertices[:, 1]
-    if fault == "askew":
-        mesh.apply_transform(trimesh.transformations.rotation_matrix(np.radians(15), [0, 0, 1]))
-    if fault == "tip down":
-        mesh.apply_transform(trimesh.transformations.rotation_matrix(np.radians(12), [0, 1, 0]))
-    if fault == "nail down":
-        mesh.vertices[:, 1:] *= -1.0
     if fault == "ball":
         mesh = trimesh.creation.icosphere(4, 7.0)
     if fault == "flat":
@@ -204,24 +195,19 @@ def capsule(length: float, tip: float) -> Any:
     return mesh
 
 
-@pytest.mark.parametrize(
-    ("length", "advice"), [(24.0, "cut it flat near x = 98"), (20.0, "scan at least 16.7 mm from")]
-)
-def test_a_scan_that_is_rounded_behind_is_to_be_cut_flat(
-    tmp_path: Path, length: float, advice: str
-) -> None:
-    """What was repaired in the file is said too, and nothing of a length that was not given."""
-    mesh = capsule(length, 1000.0)
-    mesh.update_faces(np.arange(len(mesh.faces)) // 10 != 200)
-    path = tmp_path / "capsule.stl"
-    mesh.export(path)
-    finger = Finger.from_surface(path)
+def test_a_scan_that_is_rounded_behind_is_cut_where_it_is_wide(tmp_path: Path) -> None:
+    """With a note; where too little is left, it is refused, after what was repaired in the file."""
+    for length in (24.0, 20.0):
+        mesh = capsule(length, 1000.0)
+        mesh.update_faces(np.arange(len(mesh.faces)) // 10 != 200)
+        mesh.export(tmp_path / f"capsule-{length:g}.stl")
+    long = scanned(Recipe.of(Finger.from_surface(tmp_path / "capsule-24.stl")))
+    assert any("it was cut" in note for note in long.notes)
     expected = (
-        rf"^finger.surface: capsule.stl is rounded at its proximal end, .* near x = 9\d\d\.\d mm;"
-        rf".*{advice}.* \(A hole of 12 edges near .* was filled\.\)$"
+        r"rounded at its proximal end, as a ball, .* \(A hole of 12 edges near .* filled\.\)$"
     )
     with pytest.raises(InputError, match=expected):
-        scanned(Recipe.of(finger))
+        scanned(Recipe.of(Finger.from_surface(tmp_path / "capsule-20.stl")))
 
 
 def cut_at(mesh: Any, x: float) -> Any:
@@ -232,13 +218,13 @@ def cut_at(mesh: Any, x: float) -> Any:
     return mesh
 
 
-def test_the_advice_to_cut_a_scan_works(tmp_path: Path) -> None:
+def test_an_open_scan_is_cut_distal_of_its_rim(tmp_path: Path) -> None:
     path = tmp_path / "capsule.stl"
     cut_at(capsule(24.0, 0.0), -18.4).export(path)
     assert scanned(Recipe.of(Finger.from_surface(path))).volumes["bone"] > 0
-    cut_at(capsule(24.0, 0.0), -14.0).export(path)
-    with pytest.raises(InputError, match=r"received 7.28 mm; or use a scan at least 16.7 mm long"):
-        scanned(Recipe.of(Finger.from_surface(path)))
+    cut_at(capsule(24.0, 0.0), -10.0).export(path)
+    with pytest.raises(InputError, match="has a hole 14 mm wide"):
+        Finger.from_surface(path)
 
 
 def test_a_scan_is_meshed_by_a_morph_and_the_same_each_time(scan: Shape, stl: Path) -> None:

@@ -94,7 +94,7 @@ def test_random_dots_follow_their_seed_repeat_and_keep_apart():
 
 
 def test_braille_has_the_dots_of_the_table():
-    assert list(cells("Louis")) == [(0, 1, 2), (0, 2, 4), (0, 2, 5), (1, 3), (1, 2, 3)]
+    assert list(cells("Louis")) == [(5,), (0, 1, 2), (0, 2, 4), (0, 2, 5), (1, 3), (1, 2, 3)]
     assert list(cells("12a, w")) == [
         *((2, 3, 4, 5), (0,), (0, 1), (4, 5), (0,)),
         *((1,), (), (1, 3, 4, 5)),
@@ -103,6 +103,19 @@ def test_braille_has_the_dots_of_the_table():
     assert len(word.centers) == 5
     assert word.centers[:, 0].max() == pytest.approx(2 * word.cell + word.spacing)
     assert word.profile.rise(word.centers) == pytest.approx(0.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        *(("3.5", "⠼⠉⠲⠑"), ("1,000", "⠼⠁⠂⠚⠚⠚"), ("12m", "⠼⠁⠃⠍"), ("1k", "⠼⠁⠅")),
+        *(("12a", "⠼⠁⠃⠰⠁"), ("5, 6", "⠼⠑⠂⠀⠼⠋"), ("Touch", "⠠⠞⠕⠥⠉⠓"), ("ABC x", "⠠⠠⠁⠃⠉⠀⠭")),
+    ],
+)
+def test_numbers_and_capitals_are_those_of_unified_english_braille(text, printed):
+    """Rulebook of UEB, 6.1 to 6.5 and 8.3 to 8.4; Unicode numbers the patterns by their dots."""
+    patterns = [chr(0x2800 + sum(1 << dot for dot in cell)) for cell in cells(text)]
+    assert "".join(patterns) == printed
 
 
 def test_dollars_are_letters_and_not_mathematics():
