@@ -146,7 +146,7 @@ class LayerPress:
                 "depth": contact.depth,
                 "force": contact.force,
                 "area": np.count_nonzero(p) * area,
-                "center": center,
+                "moment": p @ places * area,
                 "push": self.gap.push((contact.pose[0], contact.pose[1]), p) * area,
                 "bordering": bool(p[edge].any()),
                 "images": looked[1],
@@ -294,7 +294,7 @@ def respond(
     return Response(
         mechanics=mechanics,
         time=time,
-        depth=solved.joined("depth", time),
+        depth=solved.joined("depth", time) if motion.by_force else motion.value(time),
         force=solved.joined("force", time) * NEWTON_PER_MILLINEWTON,
         reference=reference() if scene.ask.spikes else None,
         status=f"Solved: the contact on {grid.points} x {grid.points} points at {len(solved.time)} "
@@ -344,9 +344,13 @@ def _pressure(press: LayerPress, solved: Solved, time: Array) -> dict[str, Any]:
     part = window(kept)
     inside = Solved(solved.time, {"pressure": kept[:, part[0], part[1]]})
     pressure = inside.joined("pressure", time).reshape(len(time), -1)
+    force = solved.joined("force", time)[:, None]
+    # The moment is 0 without contact, where there is no center to join to the next.
+    center = np.full((len(time), 2), np.nan)
+    np.divide(solved.joined("moment", time), force, out=center, where=force > 0)
     return {
         "pad": pad_of(press.first, press.grid, press.gap, press.block, part),
         "pressure": pressure,
         "contact_area": solved.joined("area", time),
-        "centroid": (press.first.origin + solved.joined("center", time) @ across)[:, :2],
+        "centroid": (press.first.origin + center @ across)[:, :2],
     }

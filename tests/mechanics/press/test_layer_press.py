@@ -62,6 +62,18 @@ def test_an_object_beside_the_middle_is_answered_in_the_frame_of_the_finger():
     assert grid.centroid[touched] == pytest.approx(exact.centroid[touched], abs=0.02)
 
 
+def test_between_solved_times_the_depth_is_that_of_the_motion_and_a_force_has_a_center():
+    asked = scene(
+        ask=ff.Ask(fields=False, strain=False, spikes=["FAII"]),
+        motion=ff.RampHold(20, 0.3, hold=0.02),
+    )
+    answer = on(COARSE, asked)
+    press = LayerPress(asked, COARSE)
+    assert len(answer.time) > 1.5 * len(press.solve(Stages(None)).time)
+    assert answer.depth == pytest.approx(asked.motion.value(answer.time), rel=1e-12, abs=1e-12)
+    assert np.isfinite(answer.centroid[answer.force > 0]).all()
+
+
 def test_ridges_without_a_height_are_the_smooth_pad():
     flat = replace(FINGER, ridges=ff.Ridges(height=0.0))
     axis = LayerPress(scene(), COARSE).first.axis
