@@ -21,6 +21,8 @@ ABOUT = suites.ABOUT | {
     "calibration_sensitivity": (
         "Effect of assumptions on R, m and c0 b of the fit to simulated frames."
     ),
+    "rig-faults": "Calibrations of records with faults of a rig, before it was modeled and after.",
+    "coverage": "By how many deviations calibrations of drawn fingers and rigs miss the truth.",
     "ridges": "Rates over scanned dots with ridges of the skin, and what they depend on.",
     "grid-errors": "Errors of layered on a grid under bars, pins, gratings and a cylinder.",
     "grid-cost": "CPU time of layered on a grid, with and without friction and ridges.",
