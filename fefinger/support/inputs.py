@@ -158,8 +158,11 @@ def read_wave(name: str, file: Path) -> "tuple[int, Array]":
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", wavfile.WavFileWarning)  # chunks without sound
             rate, samples = wavfile.read(file)
-    except Exception as error:  # of any class, such as UnboundLocalError
-        raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {error}") from None
+    except Exception as error:  # of any class
+        # SciPy raises UnboundLocalError where a chunk before the samples is broken.
+        broken = isinstance(error, UnboundLocalError)
+        why = "a chunk of it is broken, so that its samples are not found" if broken else error
+        raise InputError(f"{name}: expected a WAV file, received {str(file)!r}: {why}") from None
     first = samples if samples.ndim == 1 else samples[:, 0]
     if not 2 <= len(first) <= MOST:
         raise InputError(

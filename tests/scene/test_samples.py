@@ -227,6 +227,13 @@ def test_a_wave_file_of_one_sample_is_refused(tmp_path: Path) -> None:
         ff.Sampled.from_wav(file, amplitude=0.02, preload=0.8)
 
 
+def test_a_wave_file_with_a_broken_chunk_is_said(tmp_path: Path) -> None:
+    file = write(tmp_path / "cut.wav", 2, 1, np.full((9, 1), 0.5))
+    file.write_bytes(file.read_bytes().replace(b"data", b"dat\xff"))
+    with pytest.raises(InputError, match="a chunk of it is broken"):
+        ff.Sampled.from_wav(file, amplitude=0.02, preload=0.8)
+
+
 def test_a_wave_file_of_hours_is_refused_before_it_is_read(tmp_path: Path, monkeypatch) -> None:
     file = write(tmp_path / "hum.wav", 2, 1, np.full((9, 1), 0.5))
     with monkeypatch.context() as patch:
