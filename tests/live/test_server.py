@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import sys
 import threading
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
@@ -255,3 +256,12 @@ def test_a_thread_that_ends_by_a_bug_tells_the_page(monkeypatch: pytest.MonkeyPa
     made.start()
     made.join(10)
     assert "ZeroDivisionError: by hand" in json.loads(said[-1])["text"]
+
+
+def test_without_the_extra_the_command_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "aiohttp", None)
+    monkeypatch.delitem(sys.modules, "fefinger.live.server")
+    with pytest.raises(InputError, match=r"pip install 'fefinger\[live\]'"):
+        live.main(["--no-browser"], standalone_mode=False)
