@@ -1,6 +1,7 @@
 """What the page draws: the shape once, and for every frame where it is and its colors."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -124,7 +125,6 @@ class Picture:
 
     def _pose(self) -> Pose:
         """Return the object at first touch."""
-        indenter = self.loop.indenter
-        assert isinstance(indenter, Indenter)  # as of a setup
+        indenter = cast(Indenter, self.loop.indenter)  # as of a setup
         first = placement.obstacle(indenter, self.loop.solid)
         return Pose(first.origin, first.axis, first.profile, first.roll)

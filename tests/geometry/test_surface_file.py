@@ -10,6 +10,7 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
+from fefinger.geometry.crossings import crossings
 from fefinger.geometry.surface_file import read_surface
 from fefinger.mesh import shell as surface
 from fefinger.mesh.parametric import parametric
@@ -124,6 +125,58 @@ def test_what_is_no_finger_is_refused_with_what_to_do(
     path = written(fault(egg()), tmp_path / "scan.ply")
     with pytest.raises(InputError, match=message):
         read_surface(path)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".vtk", ".vtp"])
+def test_every_format_gives_the_same_surface(tmp_path: Path, suffix: str) -> None:
+    wanted = read_surface(written(egg(), tmp_path / "first.ply"))
+    found = read_surface(written(egg(), tmp_path / f"scan{suffix}"))
+    assert found.mesh.is_watertight
+    assert found.mesh.volume == pytest.approx(wanted.mesh.volume, rel=1e-4)
+    assert (found.width, found.thickness) == pytest.approx((14.0, 10.0), rel=0.01)
+    assert [note.partition(":")[2] for note in found.notes] == [
+        note.partition(":")[2] for note in wanted.notes
+    ]
+    assert any("fefinger mesh --picture" in note for note in found.notes)
+
+
+def test_an_open_proximal_end_is_closed_and_said(tmp_path: Path) -> None:
+    assert not egg().is_watertight
+    found = read_surface(written(egg(), tmp_path / "scan.stl"))
+    assert found.mesh.is_watertight
+    assert "near (69" in found.notes[-1]
+    assert found.notes[-1].endswith("mm was filled.")
+
+
+def test_skin_over_a_hole_is_curved_as_around_it(tmp_path: Path) -> None:
+    """A flat lid of a hole in the pad took 7 % more force under a plate, with an edge around it."""
+    whole = read_surface(written(egg(), tmp_path / "whole.ply")).mesh
+    torn, middle = egg(), egg().vertices[np.argmin(egg().vertices[:, 2])]
+    torn.update_faces(np.linalg.norm(torn.triangles_center - middle, axis=1) > 0.9)
+    torn.remove_unreferenced_vertices()
+    lid = read_surface(written(torn, tmp_path / "scan.ply")).mesh
+    sag = 0.9**2 / (2 * 7.0)  # of a flat lid, at the radius across the finger
+    assert lid.bounds[0, 2] == pytest.approx(whole.bounds[0, 2], abs=0.3 * sag)
+
+
+def test_a_simple_surface_does_not_cross_itself_and_a_folded_one_does() -> None:
+    assert crossings(egg()) is None
+    found = crossings(pinched(egg()))
+    assert found is not None
+    assert found[2] > 0
+
+
+def test_a_finger_takes_its_size_from_its_surface(tmp_path: Path) -> None:
+    path = written(egg(), tmp_path / "scan.stl")
+    finger = ff.Finger.from_surface(path, pad_radius=12.0)
+    assert (finger.width, finger.thickness) == pytest.approx((14.0, 10.0), rel=0.01)
+    assert finger.surface == str(path)
+    given = '[finger]\nsurface = "scan.stl"\npad_radius = 12.0\n'
+    motion = '[motion]\nkind = "ramp"\nspeed = 10\ndepth = 1\n'
+    (tmp_path / "mine.toml").write_text(given + motion)
+    scene = ff.Scene.from_toml(tmp_path / "mine.toml")
+    assert scene.finger == finger  # exact: both are of the one reading of this file
+    assert ff.Scene.from_toml(scene.to_toml()) == scene  # exact: TOML keeps every digit
 
 
 def test_a_box_is_refused(tmp_path: Path) -> None:

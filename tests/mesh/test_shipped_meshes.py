@@ -12,8 +12,7 @@ from fefinger.mesh.frame import PATCH_RADIUS, PLATE_NORMAL
 from fefinger.mesh.parametric import parametric, radii
 from fefinger.mesh.quality import (
     MIN_DIHEDRAL,
-    RADIUS_ERROR,
-    VOLUME_ERROR,
+    STRICT,
     dihedral_angles,
     gate,
     measured_radii,
@@ -118,7 +117,7 @@ def test_pad_vertices_lie_on_the_smooth_surface(mesh: FingerMesh, shape: Shape) 
 
 def test_measured_radii_are_those_of_the_design(mesh: FingerMesh) -> None:
     wanted = radii(Recipe(**mesh.recipe))
-    assert measured_radii(mesh) == pytest.approx(wanted, rel=RADIUS_ERROR)
+    assert measured_radii(mesh) == pytest.approx(wanted, rel=STRICT.radius)
 
 
 def test_volumes_are_those_of_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
@@ -127,7 +126,7 @@ def test_volumes_are_those_of_the_smooth_shapes(mesh: FingerMesh, shape: Shape) 
     own = [inside[0] - inside[1], inside[1] - inside[2], inside[2]]
     volume = volumes(mesh.points, mesh.cells)
     found = [volume[mesh.region == k].sum() for k in (1, 2, 3)]
-    assert found == pytest.approx(own, rel=VOLUME_ERROR)
+    assert found == pytest.approx(own, rel=STRICT.volume)
 
 
 def test_medial_plane_and_cut_are_exact(mesh: FingerMesh, shape: Shape) -> None:

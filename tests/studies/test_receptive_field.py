@@ -159,7 +159,9 @@ def test_many_places_share_what_a_mechanics_builds_once(
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     changes = {"indenter.at": [0.5, 0.5], "finger.tissue": "maeno1998"}
-    scene = builtin.load("pin-hold", changes | {"finger.resolution": "standard"})
+    # Layers are cheaper, where more error is allowed.
+    meshed = {"finger.resolution": "standard", "ask.rel_error": 0.2}
+    scene = builtin.load("pin-hold", changes | meshed)
     assert cheapest(scene, 1) == "linear"
     assert cheapest(scene, 1000) == "condensed"
     refused = builtin.load("pin-hold", changes | {"ask.rel_error": 1e-6})
