@@ -48,6 +48,14 @@ SPREAD = 2.0
 STATED = {"pad_radius": 0.016, "t_b": 0.040, "t_m": 0.027}
 """Standard deviations that the calibrations state, over the true values."""
 
+LESS_SURE = {"t_m": 8, "x0": 8}
+"""Seeds of ten in which these are within their stated uncertainty on the coarse mesh, as found."""
+
+TOO_SURE = (
+    "The record is of the standard mesh: at first touch the coarse one is off by more than the "
+    "size of the error of the model that the fit finds."
+)
+
 
 @dataclass(frozen=True)
 class Twin:
