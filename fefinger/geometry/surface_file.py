@@ -15,6 +15,7 @@ from fefinger.geometry.scan_axes import Axes, fingertip_axes
 from fefinger.geometry.surface_repair import close, read_welded
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.inputs import check_input
 
 
 if TYPE_CHECKING:
@@ -87,11 +88,8 @@ def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
     Raises InputError if the file is missing, empty or no surface; the surface is open, intersects
     itself, has a flat side, is no fingertip or is not in mm.
     """
-    file = Path(path)
-    try:
-        state = file.stat()
-    except (OSError, ValueError):
-        return _read(path, field, (0, 0))
+    check_input(field, path, "a surface file")
+    state = Path(path).stat()
     return _read(path, field, (state.st_mtime_ns, state.st_size))
 
 
