@@ -111,7 +111,8 @@ class Worker:
         requests = self._process.stdin
         assert requests is not None
         with suppress(OSError):  # it has ended, as `wait` will say
-            pickle.dump((function, item), requests)
+            # Bytes in bytes: what the child cannot import is a reply there, and not half a call.
+            pickle.dump(pickle.dumps((function, item)), requests)
             requests.flush()
 
     def wait(self) -> Any:
@@ -152,7 +153,7 @@ def serve() -> None:
     The system closes it when the parent ends in any way. What a call prints goes to standard error.
     """
     interrupt.watch()
-    calls: SimpleQueue[tuple[Callable[[Any], Any], Any]] = SimpleQueue()
+    calls: SimpleQueue[bytes] = SimpleQueue()
 
     def listen() -> None:
         with suppress(EOFError, OSError):
@@ -164,8 +165,9 @@ def serve() -> None:
     out = sys.stdout.buffer
     with contextlib.redirect_stdout(sys.stderr):
         while True:
-            function, item = calls.get()
+            call = calls.get()
             try:
+                function, item = pickle.loads(call)
                 reply = pickle.dumps((True, function(item)))
             except Exception as error:
                 reply = pickle.dumps((False, error))

@@ -3,6 +3,8 @@
 import os
 import pickle
 import subprocess
+import sys
+from types import ModuleType
 
 import process_calls
 import pytest
@@ -54,6 +56,23 @@ def test_a_call_in_the_background_has_its_value_or_its_error():
         value()
 
 
+def test_a_call_that_the_child_cannot_import_is_an_error_here_and_the_next_one_is_answered(
+    monkeypatch,
+):
+    here = ModuleType("only_here")
+    exec("def call(item): return item", here.__dict__)
+    monkeypatch.setitem(sys.modules, "only_here", here)
+    worker = processes.Worker()
+    try:
+        worker.start(here.call, 1)
+        with pytest.raises(ModuleNotFoundError, match="only_here"):
+            worker.wait()
+        worker.start(process_calls.square, 3.0)
+        assert worker.wait() == pytest.approx(9.0)
+    finally:
+        worker.end()
+
+
 def test_a_process_in_the_background_ends_with_the_block(monkeypatch):
     started = []
 
@@ -86,7 +105,7 @@ def test_a_worker_ends_in_its_work_when_nobody_asks_any_more():
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
     command, environment = processes.command("-c", processes.SERVE), processes.environment()
     with subprocess.Popen(command, env=environment, **pipes) as worker:
-        pickle.dump((process_calls.print_and_sleep, 600.0), worker.stdin)
+        pickle.dump(pickle.dumps((process_calls.print_and_sleep, 600.0)), worker.stdin)
         worker.stdin.flush()
         assert worker.stderr.readline() == b"a print\n"
         worker.stdin.close()

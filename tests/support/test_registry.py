@@ -3,6 +3,7 @@
 import sys
 from dataclasses import dataclass
 
+import process_calls
 import pytest
 
 import fefinger as ff
@@ -125,12 +126,8 @@ def test_a_plugin_that_cannot_be_loaded_is_named(tmp_path, name, source, sentenc
 def test_a_child_process_knows_what_its_parent_knows(tmp_path):
     (tmp_path / "my_marbles.py").write_text(PLUGIN)
     registry.load_plugin("my_marbles", tmp_path)
-    with processes.in_background(kinds, None) as found:
+    with processes.in_background(process_calls.kinds, None) as found:
         assert found()[-1] == "marble"
-
-
-def kinds(_):
-    return list(INDENTERS)
 
 
 def test_an_installed_distribution_extends_the_package(tmp_path, monkeypatch):
