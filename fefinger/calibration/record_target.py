@@ -251,7 +251,7 @@ class RecordTarget:
         return tuple(sentences)
 
     def _late(self, at_nodes: Array, values: Values) -> Array:
-        """Return what the sensor has by the times of the averages of (m,) or (m, k) at nodes."""
+        """Pass values (m,) or (m, k) at nodes through the lag and delay of the sensor."""
         rig, time = self.rig.at(values, self.press), self.trace.node_time
         seen = lagged(time, at_nodes, 1e-3 * rig["lag"])
         return interpolated(self.trace.time - 1e-3 * rig["delay"], time, seen)

@@ -125,7 +125,7 @@ class Rig:
         return Unknown(own, start, low, high, UNITS[name], source, log=False, prior=prior)
 
     def at(self, values: Values, press: str = "") -> dict[str, float]:
-        """Return what the rig does, in the units of UNITS, at the values of a fit."""
+        """Return the parameters of the rig by name, in UNITS, at the values of a fit."""
         own = {name: name if name in SHARED else name + press for name in UNITS}
         return {name: values.get(own[name], getattr(self, name)[0]) for name in UNITS}
 

@@ -291,7 +291,7 @@ class Search:
         return min(round(DEEPER * deep, 2), curves.deepest)
 
     def _told(self, curves: Family, radius: float, result: FitResult) -> tuple[str, ...]:
-        """Return what is wrong with records, by their traces and by a fit with a rig that gives."""
+        """List the faults of records: by their residuals, and by a fit with a compliant rig."""
         solution, records = result.solution, presses(result.target)
         told = [
             sentence

@@ -64,7 +64,7 @@ class _Slip(NamedTuple):
     stiff: Array
 
     def free(self, values: Array) -> Array:
-        """Return what of vectors (2, m) a step may change, a copy."""
+        """Return a copy of vectors (2, m) without the components that a step must not change."""
         part = np.where(self.slips, np.sum(values * self.along, axis=0), 0.0)
         return np.where(self.on, values - part * self.along, 0.0)
 

@@ -32,6 +32,10 @@ Heights = Callable[[tuple[float, float]], Array]
 has ended."""
 
 
+GridParts = tuple[Array, tuple[int, int], float, Heights, tuple[Array, Array]]
+"""Arguments of `GridContact`."""
+
+
 class GridSolution(StepSolver, Protocol):
     """Solver of a step on a grid; `solve` starts from its last solution."""
 
@@ -178,19 +182,9 @@ class SoftGridContact(GridContact):
     own: C (n_x, n_y // 2 + 1) mm/kPa of every wave; the rest as of `GridContact`.
     """
 
-    def __init__(
-        self,
-        own: Array,
-        compliance: Array,
-        points: tuple[int, int],
-        spacing: float,
-        gap: Heights,
-        branches: tuple[Array, Array],
-        *,
-        tolerance: float = CLOSED,
-    ) -> None:
-        super().__init__(compliance, points, spacing, gap, branches, tolerance=tolerance)
-        self.own, self.compliance, self._gain = np.array(own), np.array(compliance), 0.0
+    def __init__(self, own: Array, *parts: *GridParts, tolerance: float = CLOSED) -> None:
+        super().__init__(*parts, tolerance=tolerance)
+        self.own, self.compliance, self._gain = np.array(own), self.on_grid.compliance, 0.0
 
     def displacement(self, x: Array) -> Array:
         """Return the displacements (n,) mm of the body alone under a pressure (n,) kPa."""

@@ -17,13 +17,13 @@ class ObjectSurface(Protocol):
     """What contact at finite strain asks of an object's surface."""
 
     def at_places(self, pressure: Array) -> Array:
-        """Return how far it gives way (n_tri, n_q) mm where the skin is integrated.
+        """Return its displacement (n_tri, n_q) mm away from the skin, at the quadrature points.
 
         pressure (n,) kPa on the candidates; or what is broadcast to that, as below.
         """
 
     def around(self, pressure: Array) -> Array:
-        """Return how far it gives way (n_near,) mm at the candidates and around them."""
+        """Return its displacement (n_near,) mm at the candidates and around them."""
 
     def softened(self, solver: Complementarity, near: Flags, gain: float) -> Complementarity:
         """Return a solver with its flexibility besides that of the body, at `near` candidates (n,).
@@ -70,11 +70,11 @@ class ElasticSurface:
     vertices: Array
 
     def at_places(self, pressure: Array) -> Array:
-        """Return how far it gives way (n_tri, n_q) mm where the skin is integrated."""
+        """Return its displacement (n_tri, n_q) mm away from the skin, at the quadrature points."""
         return np.asarray(self.places @ pressure)
 
     def around(self, pressure: Array) -> Array:
-        """Return how far it gives way (n_near,) mm at the candidates and around them."""
+        """Return its displacement (n_near,) mm at the candidates and around them."""
         return np.asarray(self.vertices @ pressure)
 
     def softened(self, solver: Complementarity, near: Flags, gain: float) -> Complementarity:

@@ -62,7 +62,7 @@ class Picture:
         self._marks = surfaces.follow(whole, sites.points[chosen])
 
     def shape(self) -> Shape:
-        """Return what stays while the finger moves."""
+        """Return the part of the picture that is the same in all frames."""
         blob = Blob()
         spans = self._spans()
         table: Json = {

@@ -197,7 +197,7 @@ class Player:
             self._keep(row)
 
     def heard(self) -> Heard:
-        """Return what happened since it was last asked for."""
+        """Return the trace and the spikes since the last call."""
         trace, spikes = np.array(self._trace).reshape(-1, 3), tuple(self._spikes)
         self._trace, self._spikes = array("d"), []
         return Heard(trace, spikes)

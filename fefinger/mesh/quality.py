@@ -165,7 +165,7 @@ def gate(quality: dict[str, Any], bounds: Bounds = STRICT) -> None:
 
 
 def _off(quality: dict[str, Any], bounds: Bounds) -> list[str]:
-    """Return what the facets leave out of the smooth surfaces, where it is out of bounds."""
+    """List the differences between facets and smooth surfaces that are out of bounds."""
     faults = []
     for name, error in quality["volume_errors"].items():
         if not abs(error) <= bounds.volume:

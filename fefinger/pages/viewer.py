@@ -149,7 +149,7 @@ def _scene(drawn: Drawing, blob: Blob) -> Json:
 
 
 def shape(every: Sequence[surfaces.Piece], lines: surfaces.Piece, blob: Blob) -> Json:
-    """Return what stays of surfaces and lines while they move: which vertices they join."""
+    """Return the connectivity of surfaces and lines, which is the same in all frames."""
     starts = np.cumsum([0, *(len(piece.edges) for piece in every)])
     triangles = [piece.triangles + start for piece, start in zip(every, starts, strict=False)]
     counts = np.cumsum([0, *(len(each) for each in triangles)])

@@ -44,7 +44,7 @@ class Ridges:
         check(self)
 
     def valleys(self, places: Array) -> Array:
-        """Return how far (...,) mm the skin lies below its crests, at places (..., 2) mm.
+        """Return the depth (...,) mm of the skin below its crests, at places (..., 2) mm.
 
         They count from the first touch, where there is a crest, along the finger and across.
         """

@@ -41,7 +41,7 @@ class Slow:
 
 async def film(file: Path) -> None:
     """Play the script and write its pictures as an animated WebP file."""
-    session.time = Slow  # type: ignore[assignment]
+    session.time = Slow  # type: ignore[assignment]  # a class in place of the module `time`
     server = Server(resolution="standard", output=None, setup=Setup())
     serving = asyncio.create_task(server.serve(browser=False))
     pictures, script = [], list(SCRIPT)

@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager, suppress
 import pytest
 
 
-aiohttp = pytest.importorskip("aiohttp")
+aiohttp = pytest.importorskip("aiohttp")  # before what imports it: the extra may be missing
 
 from fefinger.commands.live import live  # noqa: E402
 from fefinger.live import messages, session  # noqa: E402

@@ -84,7 +84,7 @@ def statics_error(case: Situation) -> tuple[float, str]:
 
 
 def of_oscillation(case: Situation, frequency: float) -> float:
-    """Return what inertia changes of an oscillation of the force, over it without inertia.
+    """Return the change of an oscillating force by inertia, over that force without inertia.
 
     frequency: in Hz. Beyond what was measured it is the last change.
     """

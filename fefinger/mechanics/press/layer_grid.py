@@ -98,7 +98,7 @@ class LayerGrid:
         return Flexibility(self.compliance, np.stack(coupled), np.stack(tangential))
 
     def of_images(self, z: float) -> "Means":
-        """Return what the images of a load of 1 mN add to its own mean fields at the depth z mm."""
+        """Return the mean fields of the periodic images of a load of 1 mN, at the depth z mm."""
         both = zip(self._seen(z, 1), self._seen(z, FREE), strict=True)
         return Means(*(here - away for here, away in both))
 

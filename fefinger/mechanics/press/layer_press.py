@@ -128,7 +128,7 @@ class LayerPress:
         return max(1, math.ceil(side * math.sqrt(len(self.time) / HELD)))
 
     def _reader(self, contact: GridStepper) -> Callable[[], Record]:
-        """Return what reads a contact after each step."""
+        """Return the function that reads a contact after each step."""
         n, sites, block = self.grid.points, self.sites, self.block
         places, edge = self.grid.places.reshape(-1, 2), border(n).ravel()
         friction, probe = isinstance(contact, GridFriction), None
