@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from fefinger.result import Result
+    from fefinger.results.result_record import Plan
     from fefinger.scene.scene import Scene
     from fefinger.support.progress import Progress
 
@@ -56,7 +57,9 @@ def run(
     changes
         Values of fields of the scene by their path, as {"motion.depth": 1.0}.
     mechanics
-        Name of the mechanics to use; by default the cheapest that does not refuse.
+        Name of the mechanics to use; by default the cheapest that does not refuse. If that finds
+        while it solves that the scene is beyond its limits, as a force that presses through its
+        tissue, the next one answers, and a note says so.
     progress
         Called with the name of a stage and the fraction of it that is done.
 
@@ -68,17 +71,33 @@ def run(
         A failed iteration; `Stopped` holds the Result up to there.
     """
     # Imported here, so that `import fefinger` and its command line stay quick.
+    from fefinger.plan import choose
+    from fefinger.results.records import Refusal
+    from fefinger.scene import builtin
+    from fefinger.support.checks import BeyondError
+
+    scene = builtin.given(scene, changes)
+    tried: tuple[Refusal, ...] = ()
+    while True:
+        plan = choose(scene, mechanics, tried=tried)
+        try:
+            return _answer(scene, plan, progress)
+        except BeyondError as error:
+            if mechanics is not None or scene.ask.mechanics is not None:
+                raise
+            tried += (Refusal(plan.mechanics, "ability", str(error), error.field),)
+
+
+def _answer(scene: "Scene", plan: "Plan", progress: "Progress | None") -> "Result":
+    """Answer a scene with the chosen mechanics; BeyondError where it finds that it cannot."""
     from fefinger.afferents import fire, mesh_check
     from fefinger.mechanics import checked as fitting
     from fefinger.mechanics import get
-    from fefinger.plan import choose, settled
+    from fefinger.plan import settled
     from fefinger.result import Result
-    from fefinger.scene import builtin
     from fefinger.support.checks import Stopped
     from fefinger.support.progress import Stages
 
-    scene = builtin.given(scene, changes)
-    plan = choose(scene, mechanics)
     chosen, planned, stages = get(plan.mechanics), settled(scene, plan), Stages(progress)
     with mesh_check(chosen, planned, plan.chosen.seconds) as checked:
         try:

@@ -67,14 +67,21 @@ def explain(scene: Scene | str | Path, *, changes: Mapping[str, object] | None =
     return choose(builtin.given(scene, changes), every=True)
 
 
-def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bool = False) -> Plan:
+def choose(
+    scene: Scene | str | Path,
+    mechanics: str | None = None,
+    *,
+    every: bool = False,
+    tried: tuple[Refusal, ...] = (),
+) -> Plan:
     """Return the plan for a scene, with the cheapest mechanics or with the one named.
 
     `scene` is a Scene, the name of a built-in one, or a TOML file.
 
     A mechanics that is named, here or in the scene (`ask.mechanics`), runs in spite of refusals
     about accuracy or time, which the plan records; refusals about ability stand. Unless `every` one
-    is wanted, those with a mesh are left out where one without is good enough.
+    is wanted, those with a mesh are left out where one without is good enough. `tried` are refusals
+    of mechanics that found the scene beyond their limits while they answered it.
 
     Raises
     ------
@@ -94,7 +101,7 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         machine.seconds()
     if mechanics is None:
         _check_force(case)
-    considered = _ladder(case, every=every, named=mechanics)
+    considered = _ladder(case, every=every, named=mechanics, tried=tried)
     chosen = _cheapest(case, considered) if mechanics is None else _named(considered, mechanics)
     settings = _settings(case, chosen)
     return Plan(
@@ -105,6 +112,7 @@ def choose(scene: Scene | str | Path, mechanics: str | None = None, *, every: bo
         settings,
         machine=f"{machine.sentence()} {NOT_TIMED}",
         trust=trust(chosen, case.ask),
+        tried=tried,
     )
 
 
@@ -121,7 +129,9 @@ def settled(scene: Scene, plan: Plan) -> Scene:
     return replace(scene, finger=finger, ask=ask)
 
 
-def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, ...]:
+def _ladder(
+    case: Situation, *, every: bool, named: str | None, tried: tuple[Refusal, ...] = ()
+) -> tuple[Rung, ...]:
     """Rate the mechanics in turn, on every mesh that the scene leaves open."""
     considered: list[Rung] = []
     inertia = _Inertia(case)
@@ -130,7 +140,9 @@ def _ladder(case: Situation, *, every: bool, named: str | None) -> tuple[Rung, .
         quick = any(rung.seconds < QUICKEST * machine.slowness({}) for rung in willing)
         if quick and MECHANICS[name].meshed and not every and named is None:
             continue
-        if named in (None, name) or every:
+        if refusals := tuple(refusal for refusal in tried if refusal.mechanics == name):
+            considered.append(_unable(name, refusals))
+        elif named in (None, name) or every:
             considered += _rungs(name, case, inertia)
     return tuple(considered)
 
@@ -178,9 +190,13 @@ def _rungs(name: str, case: Situation, inertia: _Inertia) -> Iterator[Rung]:
     for each in case.meshes if meshed else (case,):
         refusals = get(name).refuse(each)
         if _about_ability(refusals):
-            yield Rung(name, math.nan, math.nan, "not able", refusals)
+            yield _unable(name, refusals)
             return
         yield _rung(Candidate(name, each.mesh if meshed else None), each, refusals, inertia)
+
+
+def _unable(name: str, refusals: tuple[Refusal, ...]) -> Rung:
+    return Rung(name, math.nan, math.nan, "not able", refusals)
 
 
 def _rung(

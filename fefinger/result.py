@@ -45,6 +45,9 @@ NOT_HARMONIC = (
 )
 """Note on a sweep that another mechanics than `modal` has answered."""
 
+BEYOND = "{0} was chosen first, and found the scene beyond its limits: {1}."
+"""Note on a mechanics that another one has answered instead of."""
+
 NAMES = ("result.nc", "result.vtkhdf", "spikes.csv", "units.csv", "report.html")
 """Files of a saved result."""
 
@@ -81,6 +84,7 @@ class Result(ResultRecord):
         if not response.inertia:
             notes += quasistatic(scene, response.time, response.depth)
         notes += left_out(scene.ask, plan.mechanics) + ((notice(),) if notice() else ())
+        notes += tuple(BEYOND.format(each.mechanics, each.reason) for each in plan.tried)
         strain = response.strain if scene.ask.wants("strain") else None
         scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
         fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""

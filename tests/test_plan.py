@@ -25,7 +25,7 @@ from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Settings
 from fefinger.scene import builtin
 from fefinger.support import machine, text
-from fefinger.support.checks import InputError
+from fefinger.support.checks import BeyondError, InputError
 
 
 def rung(name, *, seconds, error, refusals=()):
@@ -137,6 +137,25 @@ def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that
     depth, force = found.chosen.errors["depth"], found.chosen.error
     expected = f"largest depth {text.percent(depth)}, force at the depth {text.percent(force)}, "
     assert told.startswith(f"Expected within: {expected}")
+
+
+def test_a_mechanics_that_finds_a_scene_beyond_its_limits_is_followed_by_the_next(monkeypatch):
+    alone = {"ask.strain": False, "ask.pressure": False, "ask.fields": False, "ask.spikes": []}
+    asked = builtin.load("press-to-1N", alone | {"ask.rel_error": 1.0})
+    first = plan.choose(asked).mechanics
+
+    def beyond(scene, progress=None):
+        raise BeyondError("motion.force: it presses 7.98 mm deep")
+
+    monkeypatch.setattr(get(first), "respond", beyond)
+    answer = ff.run(asked)
+    assert answer.plan.mechanics != first
+    assert [refusal.mechanics for refusal in answer.plan.tried] == [first]
+    (note,) = (each for each in answer.notes if each.startswith(f"{first} was chosen first"))
+    assert "7.98 mm" in note
+    for named in ({"mechanics": first}, {"changes": {"ask.mechanics": first}}):
+        with pytest.raises(BeyondError):
+            ff.run(asked, **named)
 
 
 @pytest.mark.parametrize("afferents", ["recorded", "thesis"])

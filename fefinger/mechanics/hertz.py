@@ -7,24 +7,29 @@ elements. `theory/contact/ting.py` extends it to unloading, loss of contact and 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import axisymmetric, notes
+from fefinger.mechanics.press.limits import through
 from fefinger.mechanics.press.notes import Reason, refusals
+from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate, Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
+from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.progress import Progress
 from fefinger.support.text import format_excess
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.theory.relaxation import Prony, creep_integral, in_series
 
 
 name = "hertz"
@@ -165,6 +170,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     if depth is not None and depth > radius:
         reason = f"depth / relative radius = {format_excess(depth / radius, 1)}: Hertz ends there"
         unable.append(Reason("motion.depth", reason))
+    if not unable:
+        unable += too_deep(case, deepest(case))
     error = math.nan if unable else stated(Candidate(name), case).error
     reasons = [*_reasons_of_size(case), *reasons_of_place(case)]
     if error <= case.ask.rel_error:
@@ -195,6 +202,12 @@ def lacking(case: Situation) -> list[Reason]:
         reason = "indenter.at: it lies beyond the sphere that replaces the pad"
         unable.append(Reason("indenter.at", reason))
     return unable
+
+
+def too_deep(case: Situation, deepest: float) -> list[Reason]:
+    """Return the reason against a force that presses `deepest` mm, if it is through the tissue."""
+    reason = through(case.motion, case.finger.pulp, deepest)
+    return [Reason("motion.force", reason)] if reason else []
 
 
 def cost(case: Situation) -> float:
@@ -256,11 +269,26 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
 
 
 def deepest(case: Situation) -> float:
-    """Return the largest depth in mm, of a motion under force control once tissue has relaxed."""
+    """Return the largest depth in mm."""
     if case.motion.deepest is not None:
         return case.motion.deepest
-    force = case.motion.peak / NEWTON_PER_MILLINEWTON
-    return float(half_space(case.finger, case.indenter).depth(force))
+    body = half_space(case.finger, case.indenter)
+    share = body.share(case.finger.prony.long_time)
+    return float(body.depth(elastic_peak(case.motion, in_series(case.finger.prony, share))))
+
+
+@lru_cache(maxsize=32)
+def elastic_peak(motion: Motion, prony: Prony) -> float:
+    """Return the largest elastic force in mN under a motion that prescribes the force.
+
+    That is the force on relaxed tissue at the same contact, as long as the contact grows; of a
+    motion that is too long to answer the largest force itself.
+    """
+    if too_long(motion, fast=False):
+        return motion.peak / NEWTON_PER_MILLINEWTON
+    time = time_grid(motion, fast=False)
+    load = motion.value(time) / NEWTON_PER_MILLINEWTON
+    return float(creep_integral(prony, time, load).max()) * prony.long_time
 
 
 def widest(case: Situation) -> float:

@@ -34,12 +34,11 @@ from fefinger.scene.innervation import innervation
 from fefinger.scene.motion import Motion
 from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
-from fefinger.support.checks import InputError
+from fefinger.support.checks import BeyondError, InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import percent
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.relaxation import creep_integral
 
 
 if TYPE_CHECKING:
@@ -54,6 +53,10 @@ traits = Traits(meshed=False, finite=False, ridges=True)
 THINNEST = 0.02
 """Least share of the tissue over the bone that the layer below the skin has, a convention: a film
 thinner than that is no layer of a finger."""
+
+NARROW = 0.25
+"""Depth over the relative radius R up to which no contact is wider than R: on a thin incompressible
+layer, the widest, the depth is a quarter of the squared contact radius over R (Barber 1990)."""
 
 NOTES = (
     "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
@@ -123,10 +126,10 @@ def stack(finger: Finger) -> Stack:
     )
 
 
-def contact(scene: Scene) -> "ContactTable":
+def contact(scene: Scene | Situation) -> "ContactTable":
     """Return the elastic contacts of the relaxed finger that the motion passes through.
 
-    InputError if the contact becomes wider than its relative radius.
+    BeyondError if the contact becomes wider than its relative radius.
     """
     from fefinger.theory.contact.contact_table import TooWideError, tabulate_to
 
@@ -138,13 +141,13 @@ def contact(scene: Scene) -> "ContactTable":
         force = motion.hardest / NEWTON_PER_MILLINEWTON
         return tabulate_to(stack(scene.finger), radius, force=force)
     except TooWideError as error:
-        raise InputError(
+        raise BeyondError(
             f"motion.{motion.control}: expected one whose contact is narrower than its relative "
             f"radius of {radius:.4g} mm, as small strain is assumed, received {motion.peak:g} "
             f"{motion.unit}; press less, or take a larger indenter"
         ) from error
     except ValueError as error:
-        raise InputError(f"motion: {error}; press less") from error
+        raise BeyondError(f"motion: {error}; press less") from error
 
 
 def deepest(case: Situation, enough: float) -> float:
@@ -154,8 +157,6 @@ def deepest(case: Situation, enough: float) -> float:
     skin counts, against which a half-space of both tissues is far too soft. Objects without
     curvature have the depth of the measured presses.
     """
-    from fefinger.theory.contact.contact_table import tabulate_to
-
     finger, peak = case.finger, case.motion.peak
     if case.motion.deepest is not None:
         return case.motion.deepest
@@ -165,17 +166,13 @@ def deepest(case: Situation, enough: float) -> float:
     hardest = max(finger.skin.modulus, finger.subcutaneous.modulus)
     least = replace(body, modulus=hardest)
     # Tissue that has not relaxed bears more; at once it is as if the elastic force were this part.
-    elastic = peak / NEWTON_PER_MILLINEWTON * finger.prony.long_time
-    if least.depth(elastic) >= enough:
+    if least.depth(peak / NEWTON_PER_MILLINEWTON * finger.prony.long_time) >= enough:
         return enough
-    load = np.asarray(case.motion.value(case.times)) / NEWTON_PER_MILLINEWTON
-    relaxing = creep_integral(finger.prony, case.times, load) * finger.prony.long_time
-    elastic = max(elastic, float(relaxing.max()))
+    elastic = hertz.elastic_peak(case.motion, finger.prony)
     try:
-        table = tabulate_to(stack(finger), body.relative_radius, force=elastic)
-    except ValueError:  # no such layers, or wider than the pad is round: far from too small
+        return float(contact(case).depth(elastic))
+    except InputError:  # no such layers, or wider than the pad is round: far from too small
         return float(least.depth(elastic))
-    return float(table.depth(elastic))
 
 
 def on_grid(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
@@ -250,6 +247,21 @@ def _grid_refusals(case: Situation) -> list[Reason]:
     return unable
 
 
+def _beyond(case: Situation) -> list[Reason]:
+    """Return the reason against a contact wider than the pad is round, or through the tissue."""
+    depth, body = case.motion.deepest, hertz.half_space(case.finger, case.indenter)
+    if depth is not None and depth < NARROW * body.relative_radius:
+        return []  # without the table
+    try:
+        table = contact(case)
+    except BeyondError as error:
+        return [Reason(error.field, str(error))]
+    if depth is not None:
+        return []
+    elastic = hertz.elastic_peak(case.motion, case.finger.prony)
+    return hertz.too_deep(case, float(table.depth(elastic)))
+
+
 def refuse(case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against it: what it cannot represent, and ranges not measured."""
     gridded = on_grid(case.finger, case.indenter, case.motion)
@@ -258,6 +270,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
     except InputError as error:
         return (Refusal(name, "ability", str(error), "finger.skin.thickness"),)
     unable = _grid_refusals(case) if gridded else hertz.lacking(case)
+    if not (gridded or unable):
+        unable += _beyond(case)
     deepest = max(dict(case.ask.depths).values(), default=0)
     if deepest >= bone:
         reason = f"ask.depths: {deepest:.3g} mm is not above the bone at {bone:.3g} mm"

@@ -39,7 +39,8 @@ class Plan:
     """The chosen mechanics, its settings, and all candidates that were compared.
 
     sentence: why it was chosen; overridden: refusals of a mechanics that the user named; machine:
-    what the times of the rungs mean; trust: expected errors of the requested quantities, in words.
+    what the times of the rungs mean; trust: expected errors of the requested quantities, in words;
+    tried: refusals of the mechanics that were chosen first and found the scene beyond their limits.
     """
 
     mechanics: str
@@ -49,6 +50,7 @@ class Plan:
     settings: Settings | None = None
     machine: str = ""
     trust: str = ""
+    tried: tuple[Refusal, ...] = ()
 
     def __repr__(self) -> str:
         """Show the choice, its reason, its expected errors, and the ladder."""

@@ -47,6 +47,10 @@ class InputError(ValueError):
         self.field = field if field is not None else begins[1] if begins else ""
 
 
+class BeyondError(InputError):
+    """A scene beyond the limits of one mechanics, as found while solving: another may answer it."""
+
+
 class ConvergenceError(RuntimeError):
     """A failed iteration; the message says what was wanted, what was reached and what to try."""
 

@@ -10,7 +10,7 @@ import fefinger as ff
 from fefinger import mechanics
 from fefinger.mechanics import hertz, layered, linear
 from fefinger.mechanics.situation import Situation
-from fefinger.support.checks import InputError
+from fefinger.support.checks import BeyondError, InputError
 from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.contact.indentation import paraboloid
 from fefinger.theory.relaxation import hereditary_integral
@@ -34,6 +34,34 @@ def elastic(answer, depths):
     axis = np.outer(inward, inward)
     across = values[:, 0, ..., None] * (np.eye(3) - axis)
     return across + values[:, 2, ..., None] * axis
+
+
+@pytest.mark.parametrize("each", [hertz, layered])
+@pytest.mark.parametrize("force", [3.0, 8.0, 60.0])
+def test_a_force_through_the_tissue_is_refused_before_it_is_solved(each, force):
+    press = ff.RampHold(loading_rate=50, force=force, hold=0.2)
+    asked = scene(motion=press, ask=ff.Ask(fields=False, strain=False, pressure=False))
+    unable = [found.field for found in each.refuse(Situation.of(asked)) if found.about == "ability"]
+    if not unable:
+        assert 0.5 < each.respond(asked).depth.max() < FINGER.pulp
+        return
+    with pytest.raises(BeyondError) as raised:
+        each.respond(asked)
+    assert unable == [raised.value.field] == ["motion.force"]
+
+
+def test_a_contact_wider_than_the_pad_is_round_is_refused_before_it_is_solved():
+    ball = scene(indenter=ff.Sphere(8.0), motion=ff.Ramp(60, 4.2))
+    (found,) = layered.refuse(Situation.of(ball))
+    assert (found.about, found.field) == ("ability", "motion.depth")
+    with pytest.raises(BeyondError):
+        layered.respond(ball)
+
+
+@pytest.mark.parametrize("radius", [0.3, 5.0, 18.0])
+def test_no_contact_is_as_wide_as_its_radius_at_depths_at_which_it_is_not_looked_for(radius):
+    depth = layered.NARROW * radius
+    assert tabulate_to(STACK, radius, depth=depth).contact_radius(depth) < radius
 
 
 MOTIONS = [

@@ -26,7 +26,7 @@ from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
+from fefinger.support.checks import BeyondError, InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact import ting
@@ -159,7 +159,7 @@ def _first_touch(scene: Scene) -> Touch:
 def _check_width(contact: ElasticContact, deepest: float, radius: float) -> None:
     widest = float(contact.contact_radius(np.array([deepest]))[0])
     if widest > radius * (1 + 1e-9):
-        raise InputError(
+        raise BeyondError(
             f"motion: expected a contact narrower than its relative radius of {radius:.4g} mm, "
             f"received one of {widest:.4g} mm at a depth of {deepest:.4g} mm; press less, or take "
             "a larger indenter"

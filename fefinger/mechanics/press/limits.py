@@ -7,7 +7,7 @@ import numpy as np
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Flags
-from fefinger.support.checks import InputError
+from fefinger.support.checks import BeyondError, InputError
 
 
 if TYPE_CHECKING:
@@ -76,14 +76,20 @@ def spread_beyond(reach: float) -> str:
 
 
 def check_reached(motion: Motion, pulp: float, deepest: float) -> None:
-    """Raise InputError for a force that presses `deepest` mm, through `pulp` mm of tissue."""
-    if motion.by_force and deepest >= pulp:
+    """Raise BeyondError for a force that presses `deepest` mm, through `pulp` mm of tissue."""
+    if reason := through(motion, pulp, deepest):
         todo = "press less, or slide where the object stays on the pad"
-        raise InputError(
-            f"motion.force: expected one that presses less deep than the {pulp:g} mm of tissue "
-            f"under the pad, received {motion.peak:g} N, which presses {deepest:.3g} mm deep; "
-            f"{todo if motion.slides else 'press less'}"
-        )
+        raise BeyondError(f"{reason}; {todo if motion.slides else 'press less'}")
+
+
+def through(motion: Motion, pulp: float, deepest: float) -> str:
+    """Say that a force presses `deepest` mm, through `pulp` mm of tissue; "" if less deep."""
+    if not motion.by_force or deepest < pulp:
+        return ""
+    return (
+        f"motion.force: expected one that presses less deep than the {pulp:g} mm of tissue under "
+        f"the pad, received {motion.peak:g} N, which presses {deepest:.3g} mm deep"
+    )
 
 
 def check_depth(motion: Motion, mesh: FingerMesh, obstacle: "Obstacle") -> None:
