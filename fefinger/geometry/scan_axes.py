@@ -1,11 +1,12 @@
 """Axes of a scanned fingertip, found from its surface wherever the file has it.
 
-A fingertip of closed form is fitted from 24 directions, which tells the tip from the cut and the
-nail from the pad. The middle is then the plane of the surface's own mirror symmetry, and the back
-is turned level: neither depends on where the scan was cut, nor on how it was held.
+A fingertip of closed form is fitted from 48 directions, which tells the tip from the cut and the
+nail from the pad; those fits that are best after few steps are finished. The middle is then the
+plane of the surface's own mirror symmetry, and the back is turned level: neither depends on where
+the scan was cut, nor on how it was held.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,22 @@ if TYPE_CHECKING:
 
 
 FEW, MANY = 300, 4000
-"""Points of a surface that the 24 fits see, and those of the symmetry and the back."""
+"""Points of a surface that the fits from all directions see, and those of the last fit, of the
+symmetry and of the back."""
+
+TRIED, FIRST, STEPS = 8, 4, 40
+"""Number of directions that are fitted to the end, steps of the fits that choose them, and largest
+number of steps of a fit."""
+
+SAME = 0.95
+"""Least cosine between all axes of two fits that are the same."""
+
+CLOSE, FINE = 1e-3, 1e-8
+"""Relative change of a misfit at which a fit ends that is compared with others, to a tenth, and at
+which the last one does."""
+
+DIFFERENCE = 1e-7
+"""Step of angles and of relative lengths in differences: rounding and curvature both add 1e-7."""
 
 REACH = 1.6
 """Distance from the tip, over the width, up to which a surface is compared with a fingertip."""
@@ -96,15 +112,18 @@ def fingertip_axes(mesh: "Trimesh") -> Axes:
     center, size = points.mean(axis=0), float(np.linalg.norm(np.ptp(points, axis=0)))
     scaled = (points - center) / size
     few = scaled[:: len(scaled) // FEW]
-    frames = [_fitted(few, frame) for frame in _directions(normals)]
+    frames = [_fitted(few, frame, steps=FIRST) for frame in _directions(normals)]
     rim = (_rim(mesh) - center) / size
     if len(rim) and np.ptp(rim, axis=0).max() > WIDE_RIM:
         proximal = rim.mean(axis=0)
         frames = [each for each in frames if each.axes[0] @ proximal < 0.0] or frames
+    frames = _different(frames)[:TRIED]
+    for _ in range(2):  # a fit changes what is near its tip
+        frames = [_fitted(few, each.axes, each) for each in frames]
     least = min(each.misfit for each in frames)
     alike = [each for each in frames if each.misfit <= least / OTHER_SIDE]
     chosen = max(alike, key=lambda each: float(np.trace(each.axes)))  # turned least
-    chosen = _fitted(scaled, chosen.axes, chosen)
+    chosen = _fitted(scaled, chosen.axes, chosen, tolerance=FINE)
     axes, origin = chosen.axes, chosen.origin
     normals = _outward(chosen, scaled, normals)
     for _ in range(ROUNDS):
@@ -142,14 +161,22 @@ class Fit:
 
     def distance(self, points: Array) -> Array:
         """Distances (n,) of points (n, 3), of the first order."""
-        return _distance(
-            (points - self.origin) @ self.axes.T, self.width, self.thickness, self.blunt
-        )
+        return _distance(points, self.axes, self.origin, self.width, self.thickness, self.blunt)
 
 
-def _distance(local: Array, width: float, thickness: float, blunt: float) -> Array:
-    """Distance (n,) from the fingertip of closed form of points (n, 3), its tip at 0."""
-    x, y, z = local.T
+def _distance(
+    points: Array,
+    axes: Array,
+    origin: Array,
+    width: float | Array,
+    thickness: float | Array,
+    blunt: float | Array,
+) -> Array:
+    """Distance (..., n) of points (n, 3) from fingertips of closed form, see `Fit`.
+
+    Sizes are numbers or (..., 1), axes (..., 3, 3), origins (..., 3).
+    """
+    x, y, z = np.moveaxis((points - origin[..., None, :]) @ np.swapaxes(axes, -1, -2), -1, 0)
     behind = np.maximum(-x / width, 1e-3)
     side, side_slope = _profile(behind, SIDE * blunt, ALONG[0])
     palm, palm_slope = _profile(behind, NEAR_TIP * blunt, ALONG[1])
@@ -165,7 +192,7 @@ def _distance(local: Array, width: float, thickness: float, blunt: float) -> Arr
     return np.asarray((one + other - 1.0) / 2 / np.linalg.norm(gradient, axis=0).clip(1e-9) + ahead)
 
 
-def _profile(behind: Array, reach: float, exponent: float) -> tuple[Array, Array]:
+def _profile(behind: Array, reach: float | Array, exponent: float) -> tuple[Array, Array]:
     """Half size (n,) over the largest, and its slope, at distances from the tip."""
     left = np.maximum(1.0 - behind / reach, 0.0)
     size = np.sqrt(1.0 - left**exponent)
@@ -201,41 +228,74 @@ def _directions(normals: Array) -> list[Array]:
     return frames
 
 
-def _fitted(points: Array, start: Array, before: Fit | None = None) -> Fit:
+def _different(frames: list[Fit]) -> list[Fit]:
+    """Return fits by their misfit, without those whose axes are the same as a better one's."""
+    kept: list[Fit] = []
+    for each in sorted(frames, key=lambda fit: fit.misfit):
+        if all(np.einsum("ij,ij->i", each.axes, one.axes).min() < SAME for one in kept):
+            kept.append(each)
+    return kept
+
+
+def _start(points: Array, axes: Array) -> Fit:
+    """Return a fingertip with axes (3, 3) and the size of the box of points (n, 3)."""
+    local = points @ axes.T
+    low, size = local.min(axis=0), np.ptp(local, axis=0)
+    origin = axes.T @ (low + size * [1.0, 0.5, PALM])
+    return Fit(axes, origin, float(size[1]), float(size[2]), 1.0, 0.0)
+
+
+def _fitted(
+    points: Array,
+    start: Array,
+    before: Fit | None = None,
+    *,
+    steps: int = STEPS,
+    tolerance: float = CLOSE,
+) -> Fit:
     """Fit the fingertip of closed form to points (n, 3), from axes (3, 3) or from a fit."""
     from scipy.optimize import least_squares
     from scipy.spatial.transform import Rotation
 
-    if before is None:
-        local = points @ start.T
-        tip = float(local[:, 0].max())
-        width = float(np.ptp(local[:, 1]))
-        middle = local[:, 1:].min(axis=0) + np.ptp(local[:, 1:], axis=0) * [0.5, PALM]
-        before = Fit(
-            start, start.T @ np.array([tip, *middle]), width, float(np.ptp(local[:, 2])), 1.0, 0.0
-        )
-
-    def fit_of(values: Array) -> Fit:
-        axes = Rotation.from_rotvec(values[:3]).as_matrix() @ before.axes
-        width, thickness = np.exp(values[6:8]) * [before.width, before.thickness]
-        blunt = before.blunt * np.exp(values[8])
-        return Fit(axes, before.origin + values[3:6] * before.width, width, thickness, blunt, 0.0)
-
-    seen = before.near(points)
+    first = before or _start(points, start)
+    seen = first.near(points)
     unit = OUTLIER * np.sqrt(8.0 * np.sort(np.linalg.eigvalsh(np.cov(points.T)))[1])
+    held = np.sqrt(len(points)) * WEIGHT
+
+    def parts(values: Array) -> tuple[Array, ...]:
+        """Return axes (..., 3, 3), origin (..., 3) and sizes (..., 1) of values (..., 9)."""
+        axes = Rotation.from_rotvec(values[..., :3]).as_matrix() @ first.axes
+        sizes = np.exp(values[..., 6:]) * [first.width, first.thickness, first.blunt]
+        origin = first.origin + values[..., 3:6] * first.width
+        return axes, origin, sizes[..., :1], sizes[..., 1:2], sizes[..., 2:]
 
     def away(values: Array) -> Array:
-        fit = fit_of(values)
-        usual = np.log(fit.thickness / fit.width / FLATTER) / SPREAD, np.log(fit.blunt) / TIPS
-        held = np.sqrt(len(points)) * WEIGHT * np.array(usual)
-        return np.append(fit.distance(points[seen]) / unit, held)
+        """Return distances, and those of the sizes from usual ones, (..., n + 2)."""
+        fit = parts(values)
+        _, _, width, thickness, blunt = fit
+        usual = [np.log(thickness / width / FLATTER) / SPREAD, np.log(blunt) / TIPS]
+        there = _distance(points[seen], *fit) / unit
+        return np.concatenate([there, *(held * each for each in usual)], axis=-1)
+
+    def slopes(values: Array) -> Array:
+        """Return the derivatives (n + 2, 9) of `away`, by differences all at once."""
+        return ((away(values + DIFFERENCE * np.eye(9)) - away(values)) / DIFFERENCE).T
 
     bounds = np.full(9, np.inf)
     bounds[6:8], bounds[8] = np.log(LARGER), np.log(SHARPER)
-    found = least_squares(away, np.zeros(9), bounds=(-bounds, bounds), loss="soft_l1", max_nfev=40)
-    fit = fit_of(found.x)
+    found = least_squares(
+        away,
+        np.zeros(9),
+        slopes,
+        bounds=(-bounds, bounds),
+        loss="soft_l1",
+        max_nfev=steps,
+        ftol=tolerance,
+    )
+    axes, origin, *sizes = parts(found.x)
     misfit = (found.cost + UNSEEN * np.sum(~seen)) / len(points)
-    return replace(fit, misfit=float(misfit))
+    width, thickness, blunt = (float(size[0]) for size in sizes)
+    return Fit(axes, origin, width, thickness, blunt, float(misfit))
 
 
 def _rim(mesh: "Trimesh") -> Array:
