@@ -26,7 +26,7 @@ from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion
-from fefinger.scene.samples import SAMPLED
+from fefinger.scene.oscillation import SAMPLED
 from fefinger.scene.scene import Scene
 from fefinger.support.progress import Progress
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from fefinger.scene.finger import Finger
 from fefinger.scene.motion import Motion
-from fefinger.scene.samples import SAMPLED
+from fefinger.scene.oscillation import SAMPLED
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 

@@ -11,6 +11,15 @@ from numpy.typing import ArrayLike
 
 from fefinger.scene.key import Key
 from fefinger.scene.motion import Motion
+from fefinger.scene.oscillation import (
+    BROAD,
+    FAINT,
+    FEWEST_SAMPLES,
+    about_mean,
+    noise,
+    to_and_fro,
+    white_noise,
+)
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, reject_unknown
@@ -19,32 +28,14 @@ from fefinger.support.inputs import read_wave
 from fefinger.support.vocabulary import Control
 
 
-FEWEST_SAMPLES = 64
-"""Samples from which on a motion has a spectrum."""
-
 UNEVEN = 1e-3
 """Relative difference of the times between samples that counts as none."""
-
-NEGLECTED_POWER = 1e-2
-"""Share of the power of the speed beyond the highest frequency of samples."""
-
-FEWEST_TURNS = 3
-"""Changes of sign about the mean from which on a motion vibrates: those of two cycles."""
-
-LONGEST_TURN = 2.0
-"""Cycles of a frequency between two of them from which on a motion does not vibrate with it."""
 
 GAP = 5.0
 """Distance of two samples over the median from which on samples are missing between them."""
 
 MOST_EVEN = 2**20
 """Largest number of even samples that the spectrum of uneven ones is taken from."""
-
-SAMPLED = 10.0
-"""Samples per cycle below which straight lines between them change the force by more than 2 %."""
-
-FAINT = 0.01
-"""Amplitude over the peak below which a vibration of few samples is noise of a record."""
 
 PULLING = 0.02
 """Largest force below 0 over the peak that is noise of a sensor about zero, and counts as 0."""
@@ -94,7 +85,7 @@ class SampledMotion(Motion):
 
         Noise does not count.
         """
-        return None if self.noise else self._band
+        return None if self._colored_noise else self._band
 
     @property
     def oscillation_amplitude(self) -> float:
@@ -103,13 +94,25 @@ class SampledMotion(Motion):
 
     @property
     def noise(self) -> float:
-        """Root mean square in mm or N of what is taken for noise; 0 without any.
+        """Root mean square in mm or N of what is taken for noise; 0 without any."""
+        return self._colored_noise or self._white_noise
 
-        It is faint, and has too few samples per cycle for a vibration.
-        """
+    @cached_property
+    def _white_noise(self) -> float:
+        """Root mean square of white noise that would count as a vibration; 0 without."""
+        if self.sample_rate is None:
+            return 0.0
+        time, values = self._even
+        every = to_and_fro(time, values, white=False)
+        return white_noise(values) if every is not None and every != self._band else 0.0
+
+    @cached_property
+    def _colored_noise(self) -> float:
+        """Root mean square of what goes to and fro and is noise; 0 without."""
         if self._band is None or self.sample_rate is None:
             return 0.0
-        return noise(self._vibrating, self.sample_rate / self._band, self.peak)
+        broad = BROAD if self.by_force else FAINT
+        return noise(self._vibrating, self.sample_rate / self._band, self.peak, broad)
 
     @property
     def missing(self) -> tuple[tuple[float, float], ...]:
@@ -171,7 +174,9 @@ class SampledMotion(Motion):
 
     @cached_property
     def steady_level(self) -> float:
-        """Median of the samples above 0, the preload."""
+        """Median of the samples above 0, the preload of a vibration, or else the largest."""
+        if self.highest_frequency is None:
+            return self.peak
         values = np.array(self.prescribed)
         return float(np.median(values[values > 0]))
 
@@ -313,41 +318,3 @@ def _upside_down(values: tuple[float, ...]) -> bool:
     low, high = min(values), max(values)
     falls = values[0] > high / 2 or (high < FAINT * -low and values[0] > low / 2)
     return -low > high and falls
-
-
-def to_and_fro(time: Array, values: Array) -> float | None:
-    """Frequency in Hz with which even samples (n,) go to and fro; None if they do not.
-
-    Below it lies all but a hundredth of the power of the speed, halved as often as a slower
-    course with sharp corners needs: corners alone are no vibration.
-    """
-    step = float(np.diff(time).mean())
-    speed = np.diff(values) / step
-    power = np.cumsum(np.abs(np.fft.rfft(speed)) ** 2)
-    place = int(np.searchsorted(power, (1 - NEGLECTED_POWER) * power[-1]))
-    frequency = float(np.fft.rfftfreq(len(speed), step)[place])
-    while frequency * time[-1] >= 1:
-        if _alternates(about_mean(values, 1 / (frequency * step)), frequency * step):
-            return frequency
-        frequency /= 2
-    return None
-
-
-def noise(vibrating: Array, per_cycle: float, largest: float) -> float:
-    """Root mean square of a vibration (n,) that is faint, with few samples per cycle; else 0."""
-    size = float(np.sqrt(np.mean(vibrating**2)))
-    return size if per_cycle < SAMPLED and np.sqrt(2) * size < FAINT * largest else 0.0
-
-
-def about_mean(values: Array, cycle: float) -> Array:
-    """Distance of samples (n,) from their mean over two cycles, of `cycle` samples each."""
-    half = min(int(cycle), (len(values) - 1) // 2)
-    total = np.cumsum(np.pad(values, (half + 1, half), mode="edge"))
-    return np.asarray(values - (total[2 * half + 1 :] - total[: -2 * half - 1]) / (2 * half + 1))
-
-
-def _alternates(vibrating: Array, cycles: float) -> bool:
-    """Whether values (n,) go to and fro, with `cycles` per sample, other than at single corners."""
-    strong = np.flatnonzero(np.abs(vibrating) > np.sqrt(np.mean(vibrating**2)) / 2)
-    turns = strong[1:][np.diff(np.sign(vibrating[strong])) != 0]
-    return len(turns) >= FEWEST_TURNS and bool(np.median(np.diff(turns)) * cycles < LONGEST_TURN)

@@ -16,15 +16,8 @@ from fefinger.geometry.profiles import frame
 from fefinger.scene.indenter import PLACING, Inclined, Plate, direction
 from fefinger.scene.key import Key
 from fefinger.scene.motions import AS_LONG_AS_FITS, Ramped, rest_limit
-from fefinger.scene.samples import (
-    Depths,
-    Forces,
-    SampledMotion,
-    Times,
-    about_mean,
-    noise,
-    to_and_fro,
-)
+from fefinger.scene.oscillation import about_mean, noise, to_and_fro
+from fefinger.scene.samples import Depths, Forces, SampledMotion, Times
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.csv_columns import read_table

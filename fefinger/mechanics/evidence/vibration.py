@@ -11,6 +11,7 @@ measured fingers. Errors of a vibration are over its own force without inertia; 
 SHARE x amplitude / depth of the peak.
 """
 
+import math
 from collections.abc import Callable
 from functools import cache
 
@@ -46,6 +47,12 @@ SHARE = 5.0
 
 DAMPED = 0.8
 """Share of the loss factor of the viscous relaxation from which a finger counts as damped."""
+
+NOISY = 10.0
+"""Second difference of samples over their noise, which noise reaches at one in 20 000."""
+
+LEAST_NOISE = 1e-3
+"""Part of the peak that noise adds below which it is not worth a clause."""
 
 NEGLIGIBLE = 0.02
 """Change by inertia that is not worth a sentence."""
@@ -98,14 +105,32 @@ def left_out(case: Situation) -> tuple[float, str]:
     None below NEGLIGIBLE.
     """
     error, reason = statics_error(case)
-    vibrates = case.motion.highest_frequency is not None
-    over_peak = error * (_share(case) if vibrates else 1.0)
+    of_noise, source = noise_error(case), ""
+    if of_noise >= LEAST_NOISE:
+        motion = case.motion
+        source = (
+            f"; noise of {motion.noise:.2g} {motion.unit} in the samples adds "
+            f"{percent(of_noise)} of the peak, which inertia changes by about as much"
+        )
     if error < NEGLIGIBLE:
-        return 0.0, ""
+        return of_noise, source
+    vibrates = case.motion.highest_frequency is not None
     what = "the oscillation of the force" if vibrates else "the force"
-    return over_peak, (
-        f"; reports/{REPORT}: inertia, left out, changes {what} by up to {percent(error)}: {reason}"
+    over_peak = error * (_share(case) if vibrates else 1.0)
+    return math.hypot(over_peak, of_noise), (
+        f"; reports/{REPORT}: inertia, left out, changes {what} by up to {percent(error)}: "
+        f"{reason}{source}"
     )
+
+
+def noise_error(case: Situation) -> float:
+    """Return what noise in the samples of a motion adds to the force, over its peak.
+
+    It is the amplitude of a sine of as much power. Above the resonances the skin hardly follows a
+    force, so inertia takes from the answer about what noise adds; of a depth the root mean square
+    of the change is about that (`tests/scene/test_oscillation.py`).
+    """
+    return _share(case, math.sqrt(2) * case.motion.noise)
 
 
 def modal_error(case: Situation) -> float:
@@ -127,8 +152,8 @@ def suddenness(motion: Motion, cycle: float) -> float:
     """Dimensionless measure of how suddenly a press changes its speed.
 
     The largest change of the mean speed from one eighth of a cycle to the next, over peak / cycle,
-    with the cycle in s of the last mode. Vibration of the motion does not count. Over eighths,
-    sharp and rounded presses of the same suddenness have the same error.
+    with the cycle in s of the last mode. Vibration of the motion and noise of its samples do not
+    count. Over eighths, sharp and rounded presses of the same suddenness have the same error.
     """
     part = cycle / 8
 
@@ -141,8 +166,9 @@ def suddenness(motion: Motion, cycle: float) -> float:
     middles = (ends[1:] + ends[:-1]) / 2
     t = np.concatenate([ends, ends - part, ends + part, middles])
     t = np.minimum(t, motion.duration - part)  # what would come after the end is not known
-    change = slow(t + part) - 2 * slow(t) + slow(t - part)
-    return float(np.abs(change).max() / motion.peak * cycle / part)
+    change = np.abs(slow(t + part) - 2 * slow(t) + slow(t - part)).max()
+    of_noise = NOISY * motion.noise * min(1.0, part * (motion.sample_rate or 0.0))
+    return float(max(change - of_noise, 0.0) / motion.peak * cycle / part)
 
 
 def vibration_error(case: Situation) -> float:
@@ -274,9 +300,14 @@ def highest() -> float:
     return float(_envelope("vibration", "published")[0][-1])
 
 
-def _share(case: Situation) -> float:
-    """Force of the oscillation over the peak, at most 1."""
-    return min(1.0, SHARE * case.motion.oscillation_amplitude / case.motion.peak)
+def _share(case: Situation, amplitude: float | None = None) -> float:
+    """Force of an oscillation of an amplitude in mm or N over the peak, at most 1.
+
+    By default of that of the motion.
+    """
+    amplitude = case.motion.oscillation_amplitude if amplitude is None else amplitude
+    factor = 1.0 if case.motion.by_force else SHARE
+    return min(1.0, factor * amplitude / case.motion.peak)
 
 
 def ratio(case: Situation) -> float:

@@ -104,8 +104,9 @@ def _corrected(
         shares = table.along(slow.time)
     answer = tabulated_press.tabulated_response(table, shares, stages)
     depth = float(scene.motion.steady_level)  # about which it vibrates, or else its largest
-    if scene.motion.by_force:  # of relaxed tissue
+    if scene.motion.by_force:  # of relaxed tissue, which a quick press does not reach
         depth = float(np.interp(depth, table.table.force_at_nodes, table.table.nodes))
+        depth = min(depth, float(answer.depth.max()))
     else:
         depth = min(depth, table.table.deepest)
     share = geometric_share(depth / scene.finger.thickness)
