@@ -14,7 +14,7 @@ from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.identify import TERMS, Identification, joint
-from fefinger.theory.lumped.ramp_hold import SMOOTHING, RampHold, smooth, split
+from fefinger.theory.lumped.ramp_hold import SMOOTHING, RampHold, free_samples, split
 
 
 LIVELY = 1e-3
@@ -28,9 +28,6 @@ FEWEST = 4
 
 FREE = 5
 """Fewest samples before contact by which the offset of the force is known."""
-
-LEFT = 0.01
-"""Part of the range of a force above its reading before touch from which it is in contact."""
 
 
 def record(
@@ -84,19 +81,6 @@ def made(
     return RecordTarget(
         name, parts, lumped, reduced, tare, noise, rig, mesh, press, (MESH[mesh], ONE_G), first
     )
-
-
-def free_samples(force: Array) -> int:
-    """Return a number of samples certainly before contact, by which a force (n_t,) N is tared.
-
-    Half of those up to the first that reads more: the first contact is faint.
-    """
-    smoothed = smooth(force)
-    level = float(np.median(smoothed[:SMOOTHING]))
-    noise = float(np.median(np.abs(np.diff(force)))) / (0.6745 * np.sqrt(2))
-    limit = max(2 * noise, LEFT * float(np.ptp(smoothed)))
-    above = np.flatnonzero(np.abs(smoothed - level) > limit)
-    return max(int(above[0]) - SMOOTHING, 0) // 2 if above.size else len(force)
 
 
 def _noise_of(record: RampHold, free: int, rig: Rig) -> tuple[float, float]:

@@ -178,6 +178,8 @@ def _parts(result: ResultRecord) -> Iterator[Part]:
     """Yield the sections of the report."""
     if result.force is not None:
         text = "Force of the whole finger along the indenter's normal, and the indenter's travel."
+        if misfit := key_numbers.beside_record(result):
+            text = f"{text} Measured: {misfit}."
         yield _part("force", "Force and depth", text, figures.force(result))
     if result.pad is not None and result.pressure is not None:
         text = (

@@ -24,6 +24,10 @@ NOT_SMALL = 0.4
 """Principal strain from which on small strain is cautioned of: its square is no longer small."""
 
 
+SWINGS, OF_NOISE = 0.02, 5.0
+"""Largest force below 0, over the peak and over the noise, of which no caution is needed."""
+
+
 class KeyNumber(NamedTuple):
     """A number of a result: name, value with unit, relative error, rank and when or where.
 
@@ -98,7 +102,24 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
     if result.spikes is not None:
         fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
         lines.append(("spikes", fired))
+    lines += [("measured", misfit)] if (misfit := beside_record(result)) else []
     return [*lines, *(("caution", caution) for caution in cautions(result))]
+
+
+def beside_record(result: ResultRecord) -> str:
+    """Return how far the answer is from what the record has beside its motion; "" without that."""
+    motion = result.scene.motion
+    measured = motion.beside(result.time)
+    answer = result.depth if motion.by_force else result.force
+    if measured is None or answer is None or not measured.max() > 0:
+        return ""
+    other = motion.control.other
+    top = measured.max()
+    misfit = float(np.sqrt(np.mean((answer - measured) ** 2)) / top)
+    return (
+        f"{other} of at most {top:.3g} {other.unit} in the record, of {answer.max():.3g} "
+        f"{other.unit} in the answer, which is {percent(misfit)} of the peak off (root mean square)"
+    )
 
 
 def cautions(result: ResultRecord) -> list[str]:
@@ -122,8 +143,13 @@ def _beyond_small(result: ResultRecord) -> list[str]:
 
 
 def _record(scene: Scene) -> list[str]:
-    """Return sentences on noise and gaps in the samples of a motion."""
+    """Return sentences on noise, gaps and forces below 0 in the samples of a motion."""
     found, motion = [], scene.motion
+    if motion.pulling > max(SWINGS * motion.peak, OF_NOISE * motion.noise):
+        found.append(
+            f"the force of the record goes down to {-motion.pulling:.2g} N, which counts as 0: the "
+            "swing of the probe, or a drift, may be in the readings of the press too"
+        )
     if motion.noise and "FAII" in scene.ask.spikes:
         found.append(
             f"the samples of the motion have noise of {motion.noise:.2g} {motion.unit} (root mean "

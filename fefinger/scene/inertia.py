@@ -17,6 +17,7 @@ from fefinger.scene.motion import Motion
 from fefinger.scene.oscillation import SAMPLED
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
+from fefinger.support.text import percent
 
 
 DENSITY = 1e-6
@@ -112,18 +113,34 @@ def missing(motion: Motion) -> tuple[str, ...]:
 
 
 def samples(motion: Motion) -> tuple[str, ...]:
-    """Return the notes on samples: noise, gaps, and forces below 0."""
-    return noise(motion) + missing(motion) + pulling(motion)
+    """Return the notes on samples: their first time, noise, gaps, and forces below 0."""
+    return begins(motion) + noise(motion) + missing(motion) + pulling(motion)
+
+
+def begins(motion: Motion) -> tuple[str, ...]:
+    """Note on a record whose first time is not 0."""
+    if not motion.begins:
+        return ()
+    return (f"The samples of the motion begin at {motion.begins:.7g} s, which counts as 0 s.",)
 
 
 def pulling(motion: Motion) -> tuple[str, ...]:
-    """Note on samples of a force below 0, which count as 0."""
-    if not motion.pulling:
-        return ()
-    return (
-        f"The samples of the force go down to {-motion.pulling:.2g} N: as a contact cannot pull, "
-        "values below 0 are taken for noise and count as 0.",
-    )
+    """Note on readings before contact that are subtracted, and on forces below 0, which count as 0.
+
+    Before contact they are noise of the sensor, after it the probe swings, or the sensor lags.
+    """
+    notes: tuple[str, ...] = ()
+    if motion.tare:
+        notes += (
+            f"Before contact the force reads {motion.tare:.2g} N in the mean, which is subtracted.",
+        )
+    if motion.pulling:
+        notes += (
+            f"The samples of the force go down to {-motion.pulling:.2g} N, "
+            f"{percent(motion.pulling / motion.peak)} of the peak below 0: as a contact cannot "
+            "pull, values below 0 count as 0.",
+        )
+    return notes
 
 
 def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:

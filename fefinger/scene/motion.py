@@ -210,6 +210,20 @@ class Motion(ABC):
         return 0.0
 
     @property
+    def begins(self) -> float:
+        """Time in s of the first of samples, which counts as 0."""
+        return 0.0
+
+    @property
+    def tare(self) -> float:
+        """Mean of the force in N that samples have before contact, which is subtracted."""
+        return 0.0
+
+    def beside(self, t: ArrayLike) -> Array | None:
+        """Return what was measured beside the motion at times `t` in s: N, or mm; None without."""
+        return None
+
+    @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Times (start, stop) in s between which samples of a vibration are missing."""
         return ()

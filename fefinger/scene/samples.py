@@ -1,15 +1,15 @@
 """Motions of samples: straight lines between them, the band of their vibration, noise and gaps."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Self, cast, final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fefinger.scene.key import Key
+from fefinger.scene.key import Key, table
 from fefinger.scene.motion import Motion
 from fefinger.scene.oscillation import (
     BROAD,
@@ -21,11 +21,13 @@ from fefinger.scene.oscillation import (
     white_noise,
 )
 from fefinger.scene.trajectory import Trajectory
+from fefinger.support import recording_files
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, reject_unknown
-from fefinger.support.csv_columns import read_columns
 from fefinger.support.inputs import read_wave
+from fefinger.support.recordings import Recording, Way
 from fefinger.support.vocabulary import Control
+from fefinger.theory.lumped.ramp_hold import free_samples
 
 
 UNEVEN = 1e-3
@@ -37,8 +39,15 @@ GAP = 5.0
 MOST_EVEN = 2**20
 """Largest number of even samples that the spectrum of uneven ones is taken from."""
 
-PULLING = 0.02
-"""Largest force below 0 over the peak that is noise of a sensor about zero, and counts as 0."""
+RELEASED = 0.25
+"""Largest force below 0 over the peak that counts as 0: after a release that of the swinging probe
+is up to a tenth, of a record with another sign all of it."""
+
+FEWEST_FREE = 5
+"""Readings before contact from which on their mean is known."""
+
+CERTAIN = 3.0
+"""Standard deviations of a mean from which on it is below 0."""
 
 WAVE_NEEDS = ("amplitude", "preload")
 """Fields that a WAV file needs: its full scale, and what it vibrates about."""
@@ -46,25 +55,37 @@ WAVE_NEEDS = ("amplitude", "preload")
 WAVE_OPTIONS = (*WAVE_NEEDS, "settle")
 """Options of a motion from a WAV file; the last has a default."""
 
+RECORD_OPTIONS = ("corner", "columns")
+"""Options of a motion from another file."""
+
+COLUMNS = Way("motion.columns", "columns = {{{name} = {column!r}}} in [motion]")
+""""Where a scene says which column is which."""
+
 SETTLE = 0.2
 """Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
 
 
-Times = Annotated[tuple[float, ...], Key("Times, from 0 on and rising", unit="s")]
+Times = Annotated[tuple[float, ...], Key("Times, rising; the first one counts as 0", unit="s")]
 Depths = Annotated[
     tuple[float, ...] | None,
     Key("Depths; below 0 the object is off the skin", unit="mm", control=Control.DEPTH),
 ]
 Forces = Annotated[
-    tuple[float, ...] | None, Key("Forces, none below 0", unit="N", control=Control.FORCE)
+    tuple[float, ...] | None,
+    Key("Forces; those below 0 count as 0", unit="N", control=Control.FORCE),
+]
+Measured = Annotated[
+    tuple[float, ...] | None,
+    Key("Forces that belong to the depths, or depths to the forces, to compare", unit="N or mm"),
 ]
 
 
 class SampledMotion(Motion):
-    """Times in s from 0 on, and depths or forces, with straight lines between them."""
+    """Times in s, and depths or forces, with straight lines between them."""
 
     time: tuple[float, ...]
     corner: float
+    measured: tuple[float, ...] | None
 
     @property
     def prescribed(self) -> tuple[float, ...]:
@@ -72,9 +93,40 @@ class SampledMotion(Motion):
         return cast(tuple[float, ...], getattr(self, self.control))
 
     @cached_property
+    def _since(self) -> Array:
+        """Times (n,) in s since the first sample."""
+        return np.array(self.time) - self.time[0]
+
+    @cached_property
+    def _course(self) -> Array:
+        """Depths (n,) in mm, or forces in N without the reading before contact."""
+        return np.array(self.prescribed) - self.tare
+
+    @cached_property
+    def tare(self) -> float:
+        """Mean reading in N before contact, where it is below 0, which no contact is; else 0."""
+        return min(_rest(np.array(self.prescribed)), 0.0) if self.by_force else 0.0
+
+    @property
+    def begins(self) -> float:
+        """Time in s of the first sample, which counts as 0."""
+        return self.time[0]
+
+    def beside(self, t: ArrayLike) -> Array | None:
+        """Return what was measured beside the motion at times `t` in s: N, or mm; None without.
+
+        A force has no reading before contact.
+        """
+        if self.measured is None:
+            return None
+        values = np.array(self.measured)
+        values -= 0.0 if self.by_force else _rest(values)
+        return np.asarray(np.interp(np.asarray(t, float), self._since, values))
+
+    @cached_property
     def sample_rate(self) -> float | None:
         """Samples per s between the gaps of a record; None of few samples."""
-        steps = np.diff(self.time)
+        steps = np.diff(self._since)
         if len(steps) < FEWEST_SAMPLES:
             return None
         return float(1 / steps[steps <= GAP * np.median(steps)].mean())
@@ -120,21 +172,21 @@ class SampledMotion(Motion):
         if self.sample_rate is None:
             return ()
         columns = [getattr(self, name) for name in (self.control, *self._columns)]
-        time, moved = np.array(self.time), np.diff(columns).any(axis=0)
+        time, moved = self._since, np.diff(columns).any(axis=0)
         wide = (np.diff(time) > GAP / self.sample_rate) & moved
         return tuple(zip(time[:-1][wide].tolist(), time[1:][wide].tolist(), strict=True))
 
     @property
     def pulling(self) -> float:
         """Largest force in N below 0 among the samples, which counts as 0; 0 without any."""
-        return max(-min(self.prescribed), 0.0) if self.by_force else 0.0
+        return max(-float(self._course.min()), 0.0) if self.by_force else 0.0
 
     @property
     def gaps(self) -> tuple[tuple[float, float], ...]:
         """Times (start, stop) in s of gaps in a vibration that hide half a cycle or more."""
         if self.highest_frequency is None or self.sample_rate is None:
             return ()
-        time, values = np.array(self.time), np.array(self.prescribed)
+        time, values = self._since, self._course
         longest = max(GAP / self.sample_rate, 0.5 / self.highest_frequency)
         least = FAINT * self.oscillation_amplitude
         hidden = (np.diff(time) > longest) & (np.abs(np.diff(values)) > least)
@@ -151,7 +203,8 @@ class SampledMotion(Motion):
 
     def evenly(self, column: str) -> tuple[Array, Array]:
         """Return times (n,) and values (n,) of a column, evenly at the rate of the samples."""
-        time, values = np.array(self.time), np.array(getattr(self, column))
+        time = self._since
+        values = self._course if column == self.control else np.array(getattr(self, column))
         steps = np.diff(time)
         if self.sample_rate is None or np.ptp(steps) <= UNEVEN * steps.mean():
             return time, values
@@ -177,18 +230,16 @@ class SampledMotion(Motion):
         """Median of the samples above 0, the preload of a vibration, or else the largest."""
         if self.highest_frequency is None:
             return self.peak
-        values = np.array(self.prescribed)
-        return float(np.median(values[values > 0]))
+        return float(np.median(self._course[self._course > 0]))
 
     @cached_property
     def trajectory(self) -> Trajectory:
         """The lines; InputError for times or values that are none of a motion."""
         self._check_samples()
-        values = self.prescribed
-        return self._through(tuple(max(each, 0.0) for each in values) if self.by_force else values)
+        return self._through(np.maximum(self._course, 0.0) if self.by_force else self._course)
 
-    def _through(self, values: tuple[float, ...]) -> Trajectory:
-        return Trajectory.through(self.time, values, corner=self.corner, stop=False)
+    def _through(self, values: ArrayLike) -> Trajectory:
+        return Trajectory.through(self._since, values, corner=self.corner, stop=False)
 
     @property
     def _columns(self) -> tuple[str, ...]:
@@ -196,47 +247,45 @@ class SampledMotion(Motion):
         return ()
 
     def _check_samples(self) -> None:
-        time, values = self.time, self.prescribed
-        for name in (self.control, *self._columns):
+        beside = ("measured",) if self.measured is not None else ()
+        for name in (self.control, *self._columns, *beside):
             count = len(getattr(self, name))
-            if len(time) != count or count < 2:
+            if len(self.time) != count or count < 2:
                 raise InputError(
                     f"motion.{name}: expected as many values as times, at least 2, "
-                    f"received {count} values and {len(time)} times"
+                    f"received {count} values and {len(self.time)} times"
                 )
-        if time[0] != 0:
+        late = np.flatnonzero(np.diff(self._since) <= 0)
+        if late.size:
+            i = int(late[0]) + 1
             raise InputError(
-                f"motion.time: expected times that start at 0 s, received {time[0]:g} first; "
-                "subtract it from all of them"
+                f"motion.time[{i}]: expected a time above {self.time[i - 1]!r} s, received "
+                f"{self.time[i]!r}; sort the samples and keep one of each time"
             )
-        for i, (before, after) in enumerate(pairwise(time), start=1):
-            if after <= before:
-                raise InputError(
-                    f"motion.time[{i}]: expected a time above {before!r} s, received {after!r}; "
-                    "sort the samples and keep one of each time"
-                )
-        if not self.by_force and _upside_down(values):
+        values, low, high = self._course, float(self._course.min()), float(self._course.max())
+        if not self.by_force and _upside_down(float(values[0]), low, high):
             raise InputError(
                 f"motion.depth: expected a press, received {values[0]:g} mm first and values down "
-                f"to {min(values):g} mm; depth grows into the finger: change the sign"
+                f"to {low:g} mm; depth grows into the finger: change the sign"
             )
-        if max(values) <= 0:
+        if high <= 0:
             raise InputError(
                 f"motion.{self.control}: expected a value above 0, received at most "
-                f"{max(values):g}; so the indenter never touches the finger"
+                f"{high:g}; so the indenter never touches the finger"
             )
-        if self.by_force and self.pulling > PULLING * max(values):
+        if self.by_force and self.pulling > RELEASED * high:
             raise InputError(
-                f"motion.force: expected forces of at least 0 N, received {min(values):g}; "
-                f"a contact cannot pull. Noise of up to {100 * PULLING:g} % of the peak counts as "
-                "0: subtract the reading before contact, or set values below 0 to 0"
+                f"motion.force: expected forces of at least 0 N, as a contact cannot pull, "
+                f"received {low:g} to {high:g} N; change the sign if forces grow downward, or cut "
+                f"off what is not the press. Down to {-100 * RELEASED:g} % of the peak values "
+                "count as 0"
             )
 
     @classmethod
     def from_file(cls, file: str | Path, *, control: str = Control.DEPTH, **options: Any) -> Self:
-        """Read a motion from a CSV file, or from a WAV file with the `options` of `from_wav`.
+        """Read a motion from a record, or from a WAV file with the `options` of `from_wav`.
 
-        `control` is "depth" or "force", whichever the samples are.
+        `control` is "depth" or "force", whichever the samples are. Others are read by `from_csv`.
         """
         if Path(file).suffix.lower() == ".wav":
             reject_unknown("motion", options, WAVE_OPTIONS)
@@ -245,7 +294,7 @@ class SampledMotion(Motion):
                     msg = f"motion.{name}: missing; a WAV file needs {' and '.join(WAVE_NEEDS)}"
                     raise InputError(msg)
             return cls.from_wav(file, control=control, **options)
-        reject_unknown("motion", options, ("corner",))
+        reject_unknown("motion", options, RECORD_OPTIONS)
         return cls.from_csv(file, control=control, **options)
 
     @classmethod
@@ -278,19 +327,36 @@ class SampledMotion(Motion):
 
     @classmethod
     def from_csv(
-        cls, file: str | Path, *, control: str = Control.DEPTH, corner: float = 0.0
+        cls,
+        file: str | Path,
+        *,
+        control: str = Control.DEPTH,
+        corner: float = 0.0,
+        columns: Mapping[str, str] | None = None,
     ) -> Self:
-        """Read the columns time (s) and depth (mm) or force (N), named in the first line.
+        """Read time (s) and depth (mm) or force (N), as `control` says, from the file of a record.
 
-        `control` is the name of the second one.
+        A text such as CSV, LabVIEW's `.lvm`, `.mat` or HDF5; columns are found by names and units.
+        `columns`: headers of those that cannot be told, as {"force": "channel 2 in mN"}. A force
+        beside depths, or depths beside a force, is `measured`.
+
+        Raises InputError for a file that cannot be read, or a column that cannot be told.
         """
-        return cls._of_columns(file, ("time", control), corner)
+        record = recording_files.read(f"motion.file: {str(file)!r}", file)
+        given_columns = table("motion.columns", columns or {}, "force = 'channel 2 in mN'")
+        named = {name: str(header) for name, header in given_columns.items()}
+        names = (*cls._read_columns(record, named), Control(control))
+        values = record.pick(names, named, also=Control(control).other, say=COLUMNS)
+        names = (*names, "measured")[: values.shape[1]]
+        given: dict[str, Any] = {
+            name: tuple(column.tolist()) for name, column in zip(names, values.T, strict=True)
+        }
+        return cls(**given | {"corner": corner})
 
     @classmethod
-    def _of_columns(cls, file: str | Path, names: tuple[str, ...], corner: float) -> Self:
-        columns = read_columns("motion.file", Path(file), names)
-        given: dict[str, Any] = dict(zip(names, columns, strict=True))
-        return cls(**given | {"corner": corner})
+    def _read_columns(cls, record: Recording, named: Mapping[str, str]) -> tuple[str, ...]:
+        """Names of the columns of a record that are read besides depth or force."""
+        return ("time",)
 
 
 @final
@@ -298,8 +364,8 @@ class SampledMotion(Motion):
 class Sampled(SampledMotion):
     """Depths in mm or forces in N at times in s, joined by straight lines.
 
-    They are rounded only if a corner is given. The times start at 0 and increase; below a depth of
-    0 the indenter is off the finger, and no force is below 0.
+    They are rounded only if a corner is given. The times increase, from the first one on; below a
+    depth of 0 the indenter is off the finger, and so it is where a force is below 0.
     """
 
     shape = "sampled"
@@ -308,13 +374,22 @@ class Sampled(SampledMotion):
     corner: float = field(default=0.0, kw_only=True)
     depth: Depths = None
     force: Forces = field(default=None, kw_only=True)
+    measured: Measured = field(default=None, kw_only=True)
 
 
-def _upside_down(values: tuple[float, ...]) -> bool:
-    """Whether depths (n,) fall from where they start: the sign of a press is the other one.
+def _rest(values: Array) -> float:
+    """Return the mean of readings (n,) before contact; 0 if it is none for certain."""
+    free = free_samples(values)
+    if not FEWEST_FREE <= free < len(values):
+        return 0.0
+    mean, scatter = float(values[:free].mean()), float(values[:free].std())
+    return mean if abs(mean) > CERTAIN * scatter / np.sqrt(free) else 0.0
+
+
+def _upside_down(first: float, low: float, high: float) -> bool:
+    """Whether depths fall from where they start: the sign of a press is the other one.
 
     Those that rise from far off the skin, or leave it after a press, are a motion.
     """
-    low, high = min(values), max(values)
-    falls = values[0] > high / 2 or (high < FAINT * -low and values[0] > low / 2)
+    falls = first > high / 2 or (high < FAINT * -low and first > low / 2)
     return -low > high and falls

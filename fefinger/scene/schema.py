@@ -101,8 +101,8 @@ def _kinds(part: str, default: str | None = None) -> Schema:
 
 
 def _of_file(name: str, kind: str) -> Schema:
-    """Return the schema of a number that says how a file is read."""
-    return _described(KeyField(FILE_KEYS[name], float, None, needed=False), "", kind)
+    """Return the schema of a key that says how a file is read."""
+    return _described(FILE_KEYS[name], "", kind)
 
 
 def _table(keys: Schema, required: Iterable[str] = ()) -> Schema:

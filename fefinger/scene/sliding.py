@@ -4,10 +4,10 @@ x and y of a path lie in the plane across the travel: x distal, y radial, as on 
 `roll`.
 """
 
+from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
-from pathlib import Path
-from typing import Annotated, Self, final
+from typing import Annotated, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,11 +17,10 @@ from fefinger.scene.indenter import PLACING, Inclined, Plate, direction
 from fefinger.scene.key import Key
 from fefinger.scene.motions import AS_LONG_AS_FITS, Ramped, rest_limit
 from fefinger.scene.oscillation import about_mean, noise, to_and_fro
-from fefinger.scene.samples import Depths, Forces, SampledMotion, Times
+from fefinger.scene.samples import Depths, Forces, Measured, SampledMotion, Times
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
-from fefinger.support.csv_columns import read_table
-from fefinger.support.vocabulary import Control
+from fefinger.support.recordings import Recording
 
 
 ANGLES = ("angle", "tilt")
@@ -147,6 +146,7 @@ class SampledPath(SampledMotion):
     tilt: Annotated[tuple[float, ...] | None, PLACING["tilt"]] = field(default=None, kw_only=True)
     depth: Depths = None
     force: Forces = field(default=None, kw_only=True)
+    measured: Measured = field(default=None, kw_only=True)
 
     @cached_property
     def paths(self) -> tuple[Trajectory, ...]:
@@ -214,13 +214,8 @@ class SampledPath(SampledMotion):
         return not any(self.y) and not any(self.tilt or ())
 
     @classmethod
-    def from_csv(
-        cls, file: str | Path, *, control: str = Control.DEPTH, corner: float = 0.0
-    ) -> Self:
-        """Read the columns time (s), x, y (mm) and depth (mm) or force (N), as `control` says.
-
-        They may be followed by angle, tilt or both (degrees).
-        """
-        header = [cell.lower() for cell in read_table("motion.file", Path(file)).header]
-        turns = [name for name in ANGLES if any(cell.startswith(name) for cell in header)]
-        return cls._of_columns(file, ("time", "x", "y", control, *turns), corner)
+    def _read_columns(cls, record: Recording, named: Mapping[str, str]) -> tuple[str, ...]:
+        """Time and path, and of the angles of the plate those that there are."""
+        headers = [*(header.lower() for header in record.headers), *named]
+        turns = (name for name in ANGLES if any(each.startswith(name) for each in headers))
+        return ("time", "x", "y", *turns)

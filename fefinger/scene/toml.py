@@ -12,7 +12,7 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import FROM_TISSUE, LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
-from fefinger.scene.key import Key, keys_of, keys_of_kind, needed
+from fefinger.scene.key import Key, KeyField, keys_of, keys_of_kind, needed
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import (
     FrequencySweep,
@@ -25,7 +25,7 @@ from fefinger.scene.motions import (
 )
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.ridges import Ridges
-from fefinger.scene.samples import WAVE_OPTIONS, Sampled
+from fefinger.scene.samples import RECORD_OPTIONS, WAVE_OPTIONS, Sampled
 from fefinger.scene.sliding import SampledPath, Slide
 from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
@@ -68,15 +68,31 @@ class FileReader(NamedTuple):
     keys: tuple[str, ...]
 
 
-SAMPLES = ("corner", *WAVE_OPTIONS)
-"""Other keys of a motion from a file: the first of CSV, the others of WAV."""
+RECORD = "CSV, LVM, MAT, HDF5"
+"""Formats of records."""
+
+
+def _beside_file(text: str, hint: object = float, **facts: Any) -> KeyField:
+    return KeyField(Key(text, **facts), hint, None, needed=False)
+
+
+SAMPLES = (*RECORD_OPTIONS, *WAVE_OPTIONS)
+"""Other keys of a motion from a file: the first ones of a record, the others of WAV."""
 
 FILE_KEYS = {
-    "pitch": Key("Spacing of the samples of an image or a surface", unit="mm", above=0),
-    "height": Key("Height of white over black in an image", unit="mm", above=0),
-    "amplitude": Key("Full scale of a WAV file", unit="mm or N", above=0),
-    "preload": Key("Value that a WAV file vibrates about", unit="mm or N", above=0),
-    "settle": Key("Time of the approach to the preload, and of the rest after", unit="s", above=0),
+    "pitch": _beside_file("Spacing of the samples of an image or a surface", unit="mm", above=0),
+    "height": _beside_file("Height of white over black in an image", unit="mm", above=0),
+    "center": _beside_file("Whether the middle of the file lies under first touch", bool),
+    "columns": _beside_file(
+        "Headers or numbers of columns that cannot be told, as 'channel 2 in mN'",
+        Mapping[str, str],
+        free=True,
+    ),
+    "amplitude": _beside_file("Full scale of a WAV file", unit="mm or N", above=0),
+    "preload": _beside_file("Value that a WAV file vibrates about", unit="mm or N", above=0),
+    "settle": _beside_file(
+        "Time of the approach to the preload, and of the rest after", unit="s", above=0
+    ),
 }
 """Keys that say how a file is read, besides those of the record that it is read to."""
 
@@ -90,15 +106,15 @@ FROM_FILE = {
     Relief.kind: FileReader(
         Relief.from_file,
         "CSV, NPZ, PNG or STL",
-        ("pitch", "height", "angle", "tilt", "roll", "friction", "friction_kinetic"),
+        ("pitch", "height", "center", "angle", "tilt", "roll", "friction", "friction_kinetic"),
     ),
     **{
         kind: FileReader(partial(read, control=Control.of_kind(kind)), written, others)
         for kind, read, written, others in (
-            ("sampled", Sampled.from_file, "CSV or WAV", SAMPLES),
-            ("force-sampled", Sampled.from_file, "CSV or WAV", SAMPLES),
-            ("sampled-path", SampledPath.from_csv, "CSV", ("corner",)),
-            ("force-sampled-path", SampledPath.from_csv, "CSV", ("corner",)),
+            ("sampled", Sampled.from_file, f"{RECORD} or WAV", SAMPLES),
+            ("force-sampled", Sampled.from_file, f"{RECORD} or WAV", SAMPLES),
+            ("sampled-path", SampledPath.from_csv, RECORD, RECORD_OPTIONS),
+            ("force-sampled-path", SampledPath.from_csv, RECORD, RECORD_OPTIONS),
         )
     },
 }

@@ -183,17 +183,19 @@ class Trajectory:
                 f"motion.corner: expected at most {longest:.6g} s, the shortest straight part, "
                 f"received {corner:g}; take a shorter one, or 0 for sharp ones"
             )
-        rows: list[tuple[float, float, float, float]] = []
-        for i in range(len(t)):
-            if corner > 0 and kink[i]:
-                value = y[i] - before[i] * corner / 2
-                rows.append((t[i], value, before[i], (after[i] - before[i]) / corner))
-                rows.append((t[i] + corner, y[i] + after[i] * corner / 2, after[i], 0.0))
-            elif kink[i] or i == 0:
-                delay = corner / 2 if i else 0.0
-                rows.append((t[i] + delay, y[i], after[i], 0.0))
+        # About a kink with a corner a parabola, and then a line; else a line alone.
+        rounded = kink & (corner > 0)
+        begins = np.flatnonzero((kink | (np.arange(len(t)) == 0)) & ~rounded)
+        delay = np.where(begins > 0, corner / 2, 0.0)
+        lines = t[begins] + delay, y[begins], after[begins], np.zeros(len(begins))
+        at, low, high = t[rounded], before[rounded], after[rounded]
+        bend = (high - low) / corner if corner > 0 else np.zeros(len(at))
+        bends = at, y[rounded] - low * corner / 2, low, bend
+        ends = at + corner, y[rounded] + high * corner / 2, high, np.zeros(len(at))
+        table = np.concatenate([np.column_stack(part) for part in (lines, ends, bends)])
+        table = table[np.argsort(table[:, 0], kind="stable")]
         end = float(t[-1] + (corner if kink[-1] else corner / 2))
-        table = np.array([row for row in rows if end - row[0] > _ROUNDING * end])
+        table = table[end - table[:, 0] > _ROUNDING * end]
         return cls(table[:, 0], table[:, 1], table[:, 2], table[:, 3], end)
 
     def followed_by(self, wave: Wave, cycles: float) -> "Trajectory":

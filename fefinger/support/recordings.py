@@ -5,8 +5,10 @@ finds the columns of quantities by their names and units. What cannot be told is
 """
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +35,8 @@ QUANTITIES = {
     "position": Quantity("mm", LENGTHS),
     "depth": Quantity("mm", ("depth", *(name for name in LENGTHS if name != "depth"))),
     "force": Quantity("N", ("force", "normal force", "load", "fz", "fn", "f", "kraft", "last")),
+    **{name: Quantity("mm", (name,)) for name in ("x", "y")},
+    **{name: Quantity("degrees", (name,)) for name in ("angle", "tilt")},
 }
 """Quantities of a record, their own name first."""
 
@@ -51,8 +55,20 @@ SIZES = {
         **{"gf": 9.80665e-3, "g": 9.80665e-3, "kgf": 9.80665, "kg": 9.80665},
     },
     "kPa": {"kpa": 1.0, "pa": 1e-3, "mpa": 1e3},
+    "degrees": {"degrees": 1.0, "degree": 1.0, "deg": 1.0},
 }
 """By unit, the sizes in it of units that headers state, in small letters."""
+
+
+class Way(NamedTuple):
+    """How a user says which column is a quantity: name of the field, and text with both in it."""
+
+    field: str
+    text: str
+
+
+OPTION = Way("--column", "--column '{name}={column}'")
+"""An option of the command line."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +91,15 @@ class Recording:
         named: Mapping[str, str] | None = None,
         *,
         slow: bool = False,
+        also: str = "",
+        say: Way = OPTION,
     ) -> Array:
         """Return columns (n, len(wanted)) of quantities, such as "time", in the package's units.
 
         wanted: names of QUANTITIES, or of other columns with their units as "p1 in kPa"; named: for
         some of them the header or the number of the column, with its unit where it has none, as
-        "channel 2 in mN"; slow: samples may be seconds apart.
+        "channel 2 in mN"; slow: samples may be seconds apart; also: a quantity that comes last
+        where one column can be it; say: for messages.
 
         Raises
         ------
@@ -89,16 +108,26 @@ class Recording:
             is likely in another, and times that do not rise. The message asks for what is missing.
         """
         named = named or {}
-        unknown = [name for name in named if name not in wanted]
+        known = [*wanted, *filter(None, [also])]
+        unknown = [name for name in named if name not in known]
         if unknown:
-            expected = ", ".join(wanted)
-            msg = f"--column: expected one of {expected} before '=', received {unknown[0]!r}"
+            expected = ", ".join(known)
+            msg = f"{say.field}: expected one of {expected} before '=', received {unknown[0]!r}"
             raise InputError(msg)
-        places, sizes = zip(*(self._place(each, named) for each in wanted), strict=True)
-        values: Array = self.values[:, list(places)] * np.array(sizes)
+        sizes: dict[int, float] = {}
+        for name in known:
+            with suppress(*[InputError] * (name == also and name not in named)):
+                place, size = self._place(name, named, sizes, say)
+                if place in sizes:
+                    raise InputError(
+                        f"{say.field}: expected a column for each of {', '.join(known)}, received "
+                        f"{self.headers[place]!r} for {name} and another one"
+                    )
+                sizes[place] = size
+        values: Array = self.values[:, list(sizes)] * np.array(list(sizes.values()))
         if "time" in wanted:
             at = list(wanted).index("time")
-            self._check_times(places[at], values[:, at], slow=slow)
+            self._check_times(list(sizes)[at], values[:, at], slow=slow)
         return values
 
     def _check_times(self, place: int, time: Array, *, slow: bool) -> None:
@@ -114,24 +143,27 @@ class Recording:
         if not slow and self._unit(place, "s") is None and in_milliseconds(time):
             raise InputError(f"{self.source}: {cell}: {seconds_or_milliseconds(time)}")
 
-    def _place(self, wanted: str, named: Mapping[str, str]) -> tuple[int, float]:
-        """Return the column of a quantity, and the size of its unit in the package's."""
+    def _place(
+        self, wanted: str, named: Mapping[str, str], taken: Collection[int], say: Way
+    ) -> tuple[int, float]:
+        """Return the column of a quantity that is not taken, and the size of its unit."""
         name, _, stated = wanted.partition(" in ")
         quantity = QUANTITIES.get(name) or Quantity(stated, (name,))
         if wanted in named:
             return self._named(wanted, named[wanted], quantity)
+        free = [i for i in range(len(self.headers)) if i not in taken]
         for candidate in quantity.names:
-            found = [(i, self._size(i, candidate, quantity.unit)) for i in range(len(self.headers))]
+            found = [(i, self._size(i, candidate, quantity.unit)) for i in free]
             matches = [(i, size) for i, size in found if size is not None]
             if len(matches) == 1:
                 return matches[0]
             if matches:
-                return self._ask(name, quantity, [self.headers[i] for i, _ in matches])
-        sizes = [self._unit(i, quantity.unit) for i in range(len(self.headers))]
-        places = [i for i, size in enumerate(sizes) if size is not None]
+                return self._ask(name, quantity, [self.headers[i] for i, _ in matches], say)
+        sizes = {i: self._unit(i, quantity.unit) for i in free}
+        places = [i for i, size in sizes.items() if size is not None]
         if name in QUANTITIES and len(places) == 1:
             return places[0], sizes[places[0]] or 1.0
-        return self._ask(name, quantity, [self.headers[i] for i in places])
+        return self._ask(name, quantity, [self.headers[i] for i in places], say)
 
     def _named(self, wanted: str, given: str, quantity: Quantity) -> tuple[int, float]:
         header, _, unit = given.rpartition(" in ")
@@ -168,21 +200,39 @@ class Recording:
             said = found[1] if found else ""
         return SIZES[unit].get(plain_unit(said))
 
-    def _ask(self, name: str, quantity: Quantity, found: Sequence[str]) -> tuple[int, float]:
+    def _ask(
+        self, name: str, quantity: Quantity, found: Sequence[str], say: Way
+    ) -> tuple[int, float]:
         """Raise InputError that asks for the column of a quantity."""
         begins = re.compile(rf"{re.escape(name)}(?![a-z\d])")
         foreign = [each for each in self.headers if begins.match(each.lower())]
         if len(foreign) == 1 and not found:
+            how = say.text.format(name=name, column=f"{foreign[0]} in {quantity.unit}")
             raise InputError(
                 f"{self.source}: column {foreign[0]!r}: expected {name} in {quantity.unit}; "
-                f"convert it, or give its unit: --column '{name}={foreign[0]} in {quantity.unit}'"
+                f"convert it, or give its unit: {how}"
             )
         several = found or foreign
         received = f"{len(several)}, {', '.join(several)}," if several else "none"
+        unknown = [
+            self.headers[i]
+            for i in range(len(self.headers))
+            if not self._is_other(i, quantity.unit)
+        ]
+        column = f"{(several or unknown or ['HEADER'])[-1]} in {quantity.unit}"
         raise InputError(
             f"{self.source}: expected one column {name!r} ({quantity.unit}), received {received} "
-            f"of the columns {self._listed()}; say which it is: --column "
-            f"'{name}={self.headers[-1]} in {quantity.unit}'"
+            f"of the columns {self._listed()}; say which it is: "
+            f"{say.text.format(name=name, column=column)}"
+        )
+
+    def _is_other(self, at: int, unit: str) -> bool:
+        """Whether a column has the name of a quantity in another unit than this."""
+        return any(
+            self._size(at, each, other.unit) is not None
+            for other in QUANTITIES.values()
+            for each in other.names
+            if other.unit != unit
         )
 
     def _listed(self) -> str:

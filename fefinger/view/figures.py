@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 # Okabe and Ito (2008): distinguishable with every type of color vision.
 COLORS = {"SAI": "#0072B2", "SAII": "#009E73", "FAI": "#D55E00", "FAII": "#AA4499"}
 INK, STEEL, BONE = "#1f2933", "#8b98a5", "#efe6d6"
+RECORD = "#E69F00"
 STYLE: Any = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
@@ -195,9 +196,14 @@ def _panels(
 
 
 def force(result: ResultRecord) -> "Figure":
-    """Draw force and depth against time."""
-    force, depth = Curve("", INK, result.response.force), Curve("", STEEL, result.depth)
-    rows = Row("force / N", result.time, [force]), Row("depth / mm", result.time, [depth])
+    """Draw force and depth against time, and what a record has beside its motion."""
+    forces, depths = [Curve("", INK, result.response.force)], [Curve("", STEEL, result.depth)]
+    motion = result.scene.motion
+    measured = motion.beside(result.time)
+    if measured is not None:
+        compared = depths if motion.by_force else forces
+        compared[:] = [compared[0]._replace(label="answer"), Curve("measured", RECORD, measured)]
+    rows = Row("force / N", result.time, forces), Row("depth / mm", result.time, depths)
     return signals(result, rows)
 
 

@@ -466,7 +466,7 @@ def test_samples_too_coarse_for_their_band_are_refused() -> None:
     reasons = [refusal.reason for refusal in modal.refuse(Situation.of(coarse))]
     assert any("sample the motion more finely" in reason for reason in reasons)
     (warning,) = coarse_samples(coarse.motion)
-    assert "5.3 samples per cycle of 188 Hz" in warning
+    assert "5.4 samples per cycle of 185 Hz" in warning
     assert coarse_samples(ff.Sampled(tuple(time.tolist()), tuple(np.full(400, 0.5)))) == ()
 
 

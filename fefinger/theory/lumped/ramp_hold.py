@@ -24,6 +24,9 @@ WHOLE = 1e-3  # tolerance, over the step, for differences of a rounded signal to
 OFFSET = 0.1  # largest offset below 0 of the first force, over the largest force
 STEPPED = 0.5  # fraction of equal successive samples from which a force is read in steps
 FILTERED = 0.01  # s after which filtered noise is uncorrelated
+LEFT = (
+    0.01  # part of the range of a force above its reading before touch from which it is in contact
+)
 COLORED = 1.3  # ratio of noise over FILTERED to that between samples from which noise is filtered
 
 
@@ -175,6 +178,19 @@ def smooth(values: Array, width: int = SMOOTHING) -> Array:
     """Symmetric moving average over `width` samples, fewer at the ends."""
     window = np.ones(width)
     return np.convolve(values, window, "same") / np.convolve(np.ones_like(values), window, "same")
+
+
+def free_samples(force: Array) -> int:
+    """Return a number of samples certainly before contact, by which a force (n_t,) N is tared.
+
+    Half of those up to the first that reads more: the first contact is faint.
+    """
+    smoothed = smooth(force)
+    level = float(np.median(smoothed[:SMOOTHING]))
+    noise = float(np.median(np.abs(np.diff(force)))) / (0.6745 * np.sqrt(2))
+    limit = max(2 * noise, LEFT * float(np.ptp(smoothed)))
+    above = np.flatnonzero(np.abs(smoothed - level) > limit)
+    return max(int(above[0]) - SMOOTHING, 0) // 2 if above.size else len(force)
 
 
 def derivative(x: Array, y: Array) -> Array:
