@@ -10,13 +10,14 @@ from collections.abc import Iterable, Mapping
 from typing import Any, get_args, get_origin, get_type_hints
 
 from fefinger.scene.ask import Ask
+from fefinger.scene.file_kinds import FILE_KEYS, FROM_FILE
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.key import Key, KeyField, forms, keys_of_kind, needed
 from fefinger.scene.population import Layout, Scatter
 from fefinger.scene.ridges import Ridges
 from fefinger.scene.tissue import Hard, Tissue
-from fefinger.scene.toml import FILE_KEYS, FROM_FILE, KINDS, PRONY, SUBJECT
+from fefinger.scene.toml import KINDS, PRONY, SUBJECT
 from fefinger.support.vocabulary import TYPES
 from fefinger.theory.relaxation import Prony
 

@@ -2,17 +2,17 @@
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 from fefinger.scene import library
 from fefinger.scene.ask import Ask
+from fefinger.scene.file_kinds import FROM_FILE
 from fefinger.scene.finger import FROM_TISSUE, LAYERS, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS, Flat
-from fefinger.scene.key import Key, KeyField, keys_of, keys_of_kind, needed
+from fefinger.scene.key import Key, keys_of, keys_of_kind, needed
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import (
     FrequencySweep,
@@ -25,9 +25,8 @@ from fefinger.scene.motions import (
 )
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.ridges import Ridges
-from fefinger.scene.samples import RECORD_OPTIONS, WAVE_OPTIONS, Sampled
+from fefinger.scene.samples import Sampled
 from fefinger.scene.sliding import SampledPath, Slide
-from fefinger.scene.textured import Relief
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.support import registry
 from fefinger.support.checks import InputError, choice, names, reject_unknown
@@ -60,65 +59,11 @@ PLUGINS = "plugins"
 """Key of the names of modules with objects and models of the user's own."""
 
 
-class FileReader(NamedTuple):
-    """Reader of an indenter or motion from a file: function, format, other keys of the table."""
-
-    read: Callable[..., Any]
-    format: str
-    keys: tuple[str, ...]
-
-
-RECORD = "CSV, LVM, MAT, HDF5"
-"""Formats of records."""
-
-
-def _beside_file(text: str, hint: object = float, **facts: Any) -> KeyField:
-    return KeyField(Key(text, **facts), hint, None, needed=False)
-
-
-SAMPLES = (*RECORD_OPTIONS, *WAVE_OPTIONS)
-"""Other keys of a motion from a file: the first ones of a record, the others of WAV."""
-
-FILE_KEYS = {
-    "pitch": _beside_file("Spacing of the samples of an image or a surface", unit="mm", above=0),
-    "height": _beside_file("Height of white over black in an image", unit="mm", above=0),
-    "center": _beside_file("Whether the middle of the file lies under first touch", bool),
-    "columns": _beside_file(
-        "Headers or numbers of columns that cannot be told, as 'channel 2 in mN'",
-        Mapping[str, str],
-        free=True,
-    ),
-    "amplitude": _beside_file("Full scale of a WAV file", unit="mm or N", above=0),
-    "preload": _beside_file("Value that a WAV file vibrates about", unit="mm or N", above=0),
-    "settle": _beside_file(
-        "Time of the approach to the preload, and of the rest after", unit="s", above=0
-    ),
-}
-"""Keys that say how a file is read, besides those of the record that it is read to."""
-
 PRONY = {
     "c": Key("Weights c0, c1, ... of G(t) = c0 + c1 exp(-v1 t) + ..., which add up to 1"),
     "v": Key("Rates v1, v2, ..., one less than the weights", unit="1/s"),
 }
 """Keys of a relaxation."""
-
-FROM_FILE = {
-    Relief.kind: FileReader(
-        Relief.from_file,
-        "CSV, NPZ, PNG or STL",
-        ("pitch", "height", "center", "angle", "tilt", "roll", "friction", "friction_kinetic"),
-    ),
-    **{
-        kind: FileReader(partial(read, control=Control.of_kind(kind)), written, others)
-        for kind, read, written, others in (
-            ("sampled", Sampled.from_file, f"{RECORD} or WAV", SAMPLES),
-            ("force-sampled", Sampled.from_file, f"{RECORD} or WAV", SAMPLES),
-            ("sampled-path", SampledPath.from_csv, RECORD, RECORD_OPTIONS),
-            ("force-sampled-path", SampledPath.from_csv, RECORD, RECORD_OPTIONS),
-        )
-    },
-}
-"""Kinds of indenters and motions that can be read from the `file` of their table."""
 
 NOT_IN_SCENE = {
     "mechanics": "a scene names its mechanics in ask.mechanics, a run with --mechanics, or from "
