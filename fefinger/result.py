@@ -21,7 +21,7 @@ from fefinger.results.key_numbers import rows
 from fefinger.results.plan_text import left_out
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import origin_notes, other_size
-from fefinger.scene.inertia import quasistatic, samples, warnings
+from fefinger.scene.inertia import quasistatic, samples, unmodeled, warnings
 from fefinger.support.checks import InputError
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import shielded
@@ -87,7 +87,8 @@ class Result(ResultRecord):
         notes += tuple(BEYOND.format(each.mechanics, each.reason) for each in plan.tried)
         strain = response.strain if scene.ask.wants("strain") else None
         scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
-        fired = f" Spikes: {spikes.summary()}." if spikes is not None else ""
+        apart = () if response.inertia else unmodeled(scene)
+        fired = f" Spikes: {spikes.summary(apart)}." if spikes is not None else ""
         return cls(
             scene=scene,
             plan=plan,

@@ -11,15 +11,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fefinger.commands.run import fired_record
 from fefinger.pages import report
 from fefinger.pipeline import run
 from fefinger.plan import explain
 from fefinger.result import Result, load
 from fefinger.results import netcdf
-from fefinger.results.key_numbers import cautions
+from fefinger.results.key_numbers import cautions, rows
 from fefinger.results.netcdf import LAYOUT, RECORDS
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
+from fefinger.scene.motions import Vibration
 from fefinger.scene.samples import Sampled
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Hard, Tissue
@@ -478,3 +480,26 @@ def test_strain_that_is_not_small_is_cautioned_of_where_it_counts_as_small(
     response = dataclasses.replace(synthetic.response, mechanics=mechanics, strain=strain)
     found = cautions(dataclasses.replace(synthetic, response=response))
     assert any("as small strain" in each for each in found) == told
+
+
+@pytest.mark.parametrize(
+    ("changes", "mechanics", "apart"),
+    [
+        ({}, "linear", ("FAII",)),
+        ({}, "modal", ()),
+        ({"motion": Vibration(0.5, amplitude=0.01, frequency=200.0)}, "linear", ()),
+        ({"ask": Ask(spikes=("SAI",))}, "linear", ()),
+    ],
+)
+def test_units_that_nothing_in_the_mechanics_drives_are_not_printed_like_the_others(
+    synthetic: Result, changes: dict[str, object], mechanics: str, apart: tuple[str, ...]
+) -> None:
+    scene = dataclasses.replace(synthetic.scene, **changes)
+    response = dataclasses.replace(synthetic.response, mechanics=mechanics)
+    result = dataclasses.replace(synthetic, scene=scene, response=response)
+    assert result.unmodeled == apart
+    assert sum("not modeled" in each for each in cautions(result)) == len(apart)
+    spikes = dict(rows(result))["spikes"]
+    assert ("FAII-1 0 (not modeled here)" in spikes) == bool(apart)
+    assert spikes.count("not modeled") == len(apart)
+    assert fired_record(result.spikes, apart)["unmodeled"] == list(apart)

@@ -104,7 +104,7 @@ def run_record(result: "Result", seconds: dict[str, float], files: list[str]) ->
         "contact_area_mm2": None if area is None else float(area[peak]),
         "centroid_mm": None if centroid is None else [float(x) for x in centroid[peak]],
         **({} if result.lateral is None else slid_record(result.lateral)),
-        **({} if result.spikes is None else fired_record(result.spikes)),
+        **({} if result.spikes is None else fired_record(result.spikes, result.unmodeled)),
         "seconds": seconds,
         "files": files,
     }
@@ -116,17 +116,18 @@ def slid_record(lateral: "Lateral") -> Record:
     return {"peak_lateral_force_N": peak, "friction": lateral.outcome or None}
 
 
-def fired_record(trains: "SpikeTrains") -> Record:
+def fired_record(trains: "SpikeTrains", unmodeled: tuple[str, ...] = ()) -> Record:
     """Return the family of the afferents, spikes of each type, and the mean rates of its units.
 
-    Rates in Hz are over the time in which spikes count.
+    Rates in Hz are over the time in which spikes count; unmodeled: types not to be counted on.
     """
     counts = dict.fromkeys(trains.types, 0)
     for kind, times in zip(trains.types, trains.times, strict=True):
         counts[kind] += len(times)
     span = trains.t_stop - trains.t_start
     rates = {kind: n / span / trains.types.count(kind) for kind, n in counts.items()}
-    return {"afferents": trains.family, "spikes": counts, "rates_Hz": rates}
+    told = {"afferents": trains.family, "spikes": counts, "rates_Hz": rates}
+    return {**told, "unmodeled": list(unmodeled)}
 
 
 def run_summary(

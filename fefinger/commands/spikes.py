@@ -205,7 +205,7 @@ def field_summary(answer: "ReceptiveField", record: Record) -> str:
     lines = [f"{answer.scene} by {answer.mechanics}, {len(answer.places)} places"]
     lines += [
         f"{kind}: at most {answer.of(kind).max()} impulses, half of them or more within "
-        f"{answer.area(kind):.3g} mm²"
+        f"{answer.area(kind):.3g} mm², one or more within {answer.area(kind, 0.0):.3g} mm²"
         for kind in answer.kinds
     ]
     if answer.left_out:

@@ -1,6 +1,7 @@
 """Spike trains of afferent units: their record, and its exports to files and tables."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
 
 FEW = 12
 """Largest number of units that are listed and drawn one by one."""
+
+UNMODELED = " (not modeled here)"
+"""Beside spikes whose cause the mechanics leaves out."""
 
 CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 
@@ -163,16 +167,21 @@ class SpikeTrains:
         i = self.index(unit)
         return self.times[i] - self.delays[i]
 
-    def summary(self) -> str:
-        """List the numbers of spikes: by unit for up to FEW units, else by type."""
-        counts = self.count()
+    def summary(self, unmodeled: Sequence[str] = ()) -> str:
+        """List the numbers of spikes: by unit for up to FEW units, else by type.
+
+        unmodeled: types of which it says, beside their numbers, that they are not modeled.
+        """
+        counts, apart = self.count(), dict.fromkeys(unmodeled, UNMODELED)
         if len(self) <= FEW:
-            return ", ".join(f"{n} {c}" for n, c in zip(self.names, counts.tolist(), strict=True))
+            rows = zip(self.names, self.types, counts.tolist(), strict=True)
+            return ", ".join(f"{n} {c}{apart.get(kind, '')}" for n, kind, c in rows)
         totals = []
         for kind in dict.fromkeys(self.types):
             of_kind = counts[np.array(self.types) == kind]
             firing = int(np.count_nonzero(of_kind))
-            totals.append(f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units")
+            fired = f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units"
+            totals.append(f"{fired}{apart.get(kind, '')}")
         return ", ".join(totals)
 
     def rate(self, unit: int | str, t: ArrayLike) -> Array:

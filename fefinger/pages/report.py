@@ -124,7 +124,7 @@ def answer(result: ResultRecord) -> str:
     if result.contact_area is not None:
         parts.append(f"the contact area is at most {np.nanmax(result.contact_area):.3g} mm²")
     if result.spikes is not None:
-        parts.append(f"spikes: {result.spikes.summary()}")
+        parts.append(f"spikes: {result.spikes.summary(result.unmodeled)}")
     if not parts:
         return f"The indenter travels {np.max(result.depth):.3g} mm."
     sentence = "; ".join(parts)

@@ -87,7 +87,7 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
     if result.spikes is not None:
         total, units = int(result.spikes.count().sum()), len(result.spikes)
         name = f"spikes of {units} unit{'s' if units > 1 else ''}"
-        yield KeyNumber(name, str(total), None, 2, result.spikes.summary())
+        yield KeyNumber(name, str(total), None, 2, result.spikes.summary(result.unmodeled))
 
 
 def rows(result: ResultRecord) -> list[tuple[str, str]]:
@@ -100,7 +100,7 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
     if result.lateral is not None and result.lateral.outcome:
         lines.append(("friction", result.lateral.outcome))
     if result.spikes is not None:
-        fired = f"{result.spikes.summary()} (afferents: {result.spikes.family})"
+        fired = f"{result.spikes.summary(result.unmodeled)} (afferents: {result.spikes.family})"
         lines.append(("spikes", fired))
     lines += [("measured", misfit)] if (misfit := beside_record(result)) else []
     return [*lines, *(("caution", caution) for caution in cautions(result))]
@@ -125,7 +125,18 @@ def beside_record(result: ResultRecord) -> str:
 def cautions(result: ResultRecord) -> list[str]:
     """Return sentences on what may mislead: large errors, noise or gaps, a finger's other size."""
     of_finger = map(_inner, other_size(result.scene.finger))
-    return [*_far_off(result), *_beyond_small(result), *_record(result.scene), *of_finger]
+    found = [*_far_off(result), *_beyond_small(result), *_without_cause(result)]
+    return [*found, *_record(result.scene), *of_finger]
+
+
+def _without_cause(result: ResultRecord) -> list[str]:
+    """Return a sentence on types of units that the mechanics gives no cause to fire, if any."""
+    return [
+        f"{kind} are not modeled here: without inertia they fire at the corners of the motion, as "
+        "often at any speed, and neither at slip nor far from the object (--mechanics modal has "
+        "inertia)"
+        for kind in result.unmodeled
+    ]
 
 
 def _beyond_small(result: ResultRecord) -> list[str]:

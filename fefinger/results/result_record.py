@@ -9,7 +9,7 @@ from fefinger.results.candidate import Candidate
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.plan_text import choice_line, ladder
 from fefinger.results.records import Fields, Lateral, Pad, Refusal, Response, Rung, Sites
-from fefinger.scene.inertia import quasistatic, warnings
+from fefinger.scene.inertia import quasistatic, unmodeled, warnings
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 
@@ -183,6 +183,12 @@ class ResultRecord:
         if self.response.inertia:
             return of_motion
         return of_motion + quasistatic(self.scene, self.time, self.depth)
+
+    @property
+    def unmodeled(self) -> tuple[str, ...]:
+        """Types of units whose cause to fire is not in the mechanics (`scene.inertia`)."""
+        spikes = self.spikes is not None and not self.response.inertia
+        return unmodeled(self.scene) if spikes else ()
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -89,6 +89,17 @@ def coarse_samples(motion: Motion) -> tuple[str, ...]:
     return warning
 
 
+def unmodeled(scene: Scene) -> tuple[str, ...]:
+    """Types of units that statics does not give the cause to fire, among those asked for.
+
+    FAII answer waves that reach them through the skin. In a vibration the object itself moves as
+    they do; of a ramp statics leaves them its corners, of slip and of distance nothing. Under
+    ridges of the skin, textures are such a cause.
+    """
+    caused = scene.motion.highest_frequency is not None or scene.finger.ridges is not None
+    return () if caused or "FAII" not in scene.ask.spikes else ("FAII",)
+
+
 def noise(motion: Motion) -> tuple[str, ...]:
     """Note on what is taken for noise of a record and not for a vibration."""
     if not motion.noise:

@@ -79,16 +79,22 @@ class ReceptiveField:
     def area(self, kind: str, part: float = 0.5) -> float:
         """Area in mm² where the unit fires at least a part of its most impulses, and at least one.
 
-        In whole squares of the grid; a lower bound if the field leaves the grid.
+        part: 0.5 for half of the most, as fields under steady pressure are drawn; 0 for wherever it
+        fires at all, as those near threshold are. In whole squares of the grid; a lower bound if
+        the field leaves the grid.
         """
         fired = self.of(kind)
-        reached = fired >= max(1.0, number("part", part, above=0, at_most=1) * fired.max())
+        reached = fired >= max(1.0, number("part", part, at_least=0, at_most=1) * fired.max())
         return float(np.count_nonzero(reached) * self.spacing**2)
 
     def record(self) -> dict[str, object]:
         """Return the numbers as plain values."""
         kinds = {
-            kind: {"impulses": self.of(kind).tolist(), "half_area_mm2": self.area(kind)}
+            kind: {
+                "impulses": self.of(kind).tolist(),
+                "half_area_mm2": self.area(kind),
+                "area_mm2": self.area(kind, 0.0),
+            }
             for kind in self.kinds
         }
         return {

@@ -88,7 +88,7 @@ def test_run_json_has_the_keys_of_the_contract_and_nothing_else(capsys, answered
     record = json.loads(capsys.readouterr().out)
     assert list(record) == [
         *("status", "mechanics", "peak_force_N", "final_force_N", "contact_area_mm2"),
-        *("centroid_mm", "afferents", "spikes", "rates_Hz", "seconds", "files"),
+        *("centroid_mm", "afferents", "spikes", "rates_Hz", "unmodeled", "seconds", "files"),
     ]
     assert record["peak_force_N"] == pytest.approx(synthetic.force.max())
     assert record["final_force_N"] == pytest.approx(synthetic.force[-1])

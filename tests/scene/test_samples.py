@@ -133,11 +133,11 @@ def test_a_poor_record_is_a_caution_beside_the_answer(synthetic: ff.Result) -> N
         )
         return key_numbers.cautions(replace(synthetic, scene=scene))
 
-    noise_, gap = cautions(noisy, "FAII")
+    cause, noise_, gap = cautions(noisy, "FAII")
     assert re.match(r"the samples of the motion have noise of 0.0\d+ mm .*, which FAII may", noise_)
     assert gap.startswith("the motion has no samples from 0.499 to 0.901 s")
     assert cautions(noisy, "SAI") == [gap]
-    assert cautions(press(time, 1.0), "FAII") == [gap]
+    assert cautions(press(time, 1.0), "FAII") == [cause, gap]
 
 
 def test_noise_of_a_force_about_zero_counts_as_none() -> None:

@@ -116,7 +116,12 @@ def test_the_area_is_that_of_the_places_above_a_part_of_the_most():
     field = ReceptiveField(("SAI", "FAI"), places, impulses, 0.5, {}, "scene", "condensed")
     assert field.area("SAI") == pytest.approx(2 * 0.25)
     assert field.area("SAI", 0.3) == pytest.approx(3 * 0.25)
-    assert field.area("FAI") == 0.0
+    more = replace(field, impulses=np.array([[10, 0], [5, 0], [1, 1], [0, 0]]))
+    assert [more.area(kind, 0.0) for kind in more.kinds] == pytest.approx([3 * 0.25, 0.25])
+    areas = more.record()["units"]["SAI"]
+    assert areas["half_area_mm2"] == pytest.approx(0.5)
+    assert areas["area_mm2"] == pytest.approx(0.75)
+    assert field.area("FAI") == field.area("FAI", 0.0) == 0.0
     with refused("kind"):
         field.of("FAII")
 
