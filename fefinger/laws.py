@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.support import registry
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number
+from fefinger.support.checks import InputError, number, shown
 from fefinger.support.registry import Registry
 
 
@@ -69,6 +69,14 @@ class Law:
     name: str
     density: Callable[[Array, Array, Array], Values]
     parameters: Mapping[str, float | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check that there is a function."""
+        if not callable(self.density):
+            raise InputError(
+                f"law.density: expected a function of I1 - 3, I2 - 3 and the parameters, received "
+                f"{shown(self.density)}"
+            )
 
     def at(self, i1: ArrayLike, i2: ArrayLike, values: Sequence[float] = ()) -> Density:
         """Return energy and derivatives at I1 - 3 and I2 - 3, numbers or arrays of one shape.

@@ -97,11 +97,13 @@ def _answer(scene: "Scene", plan: "Plan", progress: "Progress | None") -> "Resul
     from fefinger.result import Result
     from fefinger.support.checks import Stopped
     from fefinger.support.progress import Stages
+    from fefinger.support.registry import MECHANICS
 
     chosen, planned, stages = get(plan.mechanics), settled(scene, plan), Stages(progress)
     with mesh_check(chosen, planned, plan.chosen.seconds) as checked:
         try:
-            response = fitting(chosen.respond(planned, progress), plan.mechanics)
+            with MECHANICS.guarded(plan.mechanics):
+                response = fitting(chosen.respond(planned, progress), plan.mechanics)
         except Stopped as stop:  # without spikes: their trains need the whole motion
             raise Stopped(str(stop), Result.of(scene, plan, stop.reached)) from stop
         with stages.stage("neural"):

@@ -21,7 +21,7 @@ from fefinger.scene import builtin
 from fefinger.scene.ask import OUTPUTS
 from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
-from fefinger.support import machine
+from fefinger.support import machine, registry
 from fefinger.support.checks import InputError, choice
 from fefinger.support.text import duration, format_excess
 from fefinger.support.units import FORCE
@@ -143,7 +143,8 @@ def _ladder(
         if refusals := tuple(refusal for refusal in tried if refusal.mechanics == name):
             considered.append(_unable(name, refusals))
         elif named in (None, name) or every:
-            considered += _rungs(name, case, inertia)
+            with registry.MECHANICS.guarded(name):
+                considered += _rungs(name, case, inertia)
     return tuple(considered)
 
 

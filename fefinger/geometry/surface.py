@@ -62,9 +62,8 @@ class Surface(Profile):
         """Return heights, all of them finite."""
         with np.errstate(all="ignore"):
             try:
-                given = np.asarray(self.function(x, y), dtype=np.float64)
-                heights = np.broadcast_to(given, x.shape)
-            except (TypeError, ValueError) as error:
+                heights = _as_places(self.function(x, y), x)
+            except Exception as error:
                 raise InputError(
                     "indenter.surface: expected a function of arrays x and y that returns a height "
                     f"for each place, received {type(error).__name__}: {error}; write it with "
@@ -97,8 +96,8 @@ class Surface(Profile):
         """Return the slope of h alone."""
         x, y = across[..., 0], across[..., 1]
         if self.gradient is not None:
-            stated = (np.broadcast_to(each, x.shape) for each in self.gradient(x, y))
-            return -np.stack(list(stated), axis=-1)
+            along, aside = self.gradient(x, y)
+            return -np.stack([_as_places(along, x), _as_places(aside, x)], axis=-1)
         along = self._heights(x + STEP, y) - self._heights(x - STEP, y)
         aside = self._heights(x, y + STEP) - self._heights(x, y - STEP)
         return -np.stack([along, aside], axis=-1) / (2 * STEP)
@@ -191,3 +190,8 @@ class Surface(Profile):
 
         before, here, after = at(middle - half), at(middle), at(middle + half)
         return np.abs(np.arctan((here - before) / half) - np.arctan((after - here) / half))
+
+
+def _as_places(given: object, x: Array) -> Array:
+    """Return real numbers at the places of x (...,); TypeError for complex ones and objects."""
+    return np.broadcast_to(np.asarray(given).astype(np.float64, casting="same_kind"), x.shape)

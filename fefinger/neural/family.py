@@ -11,6 +11,7 @@ import numpy as np
 
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
+from fefinger.support.registry import own
 from fefinger.support.vocabulary import GENERATORS, RECORDED_RULES, RULES, TYPES
 
 
@@ -122,7 +123,8 @@ class Family(ABC):
         given, rule, variation = _input(time, drive, **options)
         x_in = combined(given.organs, given.columns, rule or self.rules[0])
         units = _units(given.types, given.names, variation)
-        times = _checked(self, self.simulate(given.time, x_in, units), given)
+        with own(f"family {self.name!r}", type(self).__module__):
+            times = _checked(self, self.simulate(given.time, x_in, units), given)
         return given.trains(
             times,
             x_in=x_in,

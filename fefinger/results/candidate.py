@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, Self, cast
+from typing import NamedTuple, Self
 
 from fefinger.support import registry
+from fefinger.support.checks import InputError
 
 
 class Traits(NamedTuple):
@@ -32,8 +33,14 @@ class _TraitsByName(Mapping[str, Traits]):
     """
 
     def __getitem__(self, name: str) -> Traits:
-        found = registry.MECHANICS[name].traits if name in registry.MECHANICS else SIMPLEST
-        return cast(Traits, found)
+        if name not in registry.MECHANICS:
+            return SIMPLEST
+        found = registry.MECHANICS[name].traits
+        if not isinstance(found, Traits):
+            raise InputError(
+                f"mechanics {name!r}: expected traits, a fefinger.Traits, received {found!r}"
+            )
+        return found
 
     def __iter__(self) -> Iterator[str]:
         return iter(registry.MECHANICS)

@@ -299,7 +299,8 @@ def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
         raise InputError(
             f'{error} An object of your own needs plugins = ["its_module"] at the top of the scene.'
         ) from None
-    return cast(Indenter, _of_kind("indenter", kind, INDENTERS[kind], table, folder))
+    with registry.INDENTERS.guarded(kind):
+        return cast(Indenter, _of_kind("indenter", kind, INDENTERS[kind], table, folder))
 
 
 def _motion(table: dict[str, object], folder: Path) -> Motion:

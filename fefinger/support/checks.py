@@ -171,12 +171,14 @@ def repeated(values: Iterable[str]) -> list[str]:
     return [value for value, count in Counter(values).items() if count > 1]
 
 
-def names(field: str, values: Iterable[str]) -> tuple[str, ...]:
+def names(field: str, values: object) -> tuple[str, ...]:
     """Return `values` as a tuple of different strings, or raise InputError."""
-    result = (values,) if isinstance(values, str) else tuple(values)
-    twice = repeated(map(str, result))
-    if isinstance(values, str) or twice or not all(isinstance(value, str) for value in result):
-        received = f"{', '.join(twice)} more than once" if twice else repr(values)
+    result = None
+    if isinstance(values, Iterable) and not isinstance(values, str):
+        result = tuple(values)
+    twice = repeated(map(str, result or ()))
+    if result is None or twice or not all(isinstance(value, str) for value in result):
+        received = f"{', '.join(twice)} more than once" if twice else shown(values)
         raise InputError(
             f"{field}: expected a list of strings, no two alike, received {received}; give each "
             "a different name"

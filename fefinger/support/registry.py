@@ -11,13 +11,15 @@ import inspect
 import os
 import re
 import sys
+import traceback
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Generic, TypeVar, cast
 
-from fefinger.support.checks import InputError, choice
+from fefinger.support.checks import ConvergenceError, InputError, choice, shown
 
 
 Thing = TypeVar("Thing")
@@ -118,7 +120,13 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
     def origin(self, thing: object) -> tuple[str, str]:
         """Return the module and the name of the class or function that defines a thing."""
         definition = thing if isinstance(thing, type) else getattr(thing, self.mark)
-        return definition.__module__, definition.__qualname__
+        return getattr(definition, "__module__", ""), getattr(definition, "__qualname__", "")
+
+    def guarded(self, name: str) -> AbstractContextManager[None]:
+        """Turn what fails in a thing of a user's own into an InputError; see `own`."""
+        if name in self.shipped:
+            return nullcontext()
+        return own(f"{self.what} {name!r}", self.origin(self[name])[0])
 
     def modules(self) -> set[str]:
         """Return the names of the modules that define what users have registered."""
@@ -147,10 +155,8 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         """Import a thing; InputError where that fails or it is not of this kind."""
         if place.name in self.shipped:
             return cast(Thing, place.load())
-        try:
+        with own(f"{self.group}: {place.value}", place.module):
             thing = place.load()
-        except Exception as error:
-            raise InputError(f"{self.group}: {place.value} {_failed(error)}") from error
         if not self.takes(thing):
             raise InputError(
                 f"{self.group}: expected {place.value} to have {self.mark!r}, as a {self.what} "
@@ -248,31 +254,55 @@ def load_plugin(name: str, folder: Path | None = None) -> None:
     name that is taken.
     """
     if not isinstance(name, str) or not all(part.isidentifier() for part in name.split(".")):
-        raise InputError(f"plugins: expected names of Python modules, received {name!r}")
-    if folder is not None and (file := folder.resolve() / f"{name}.py").is_file():
-        loaded = getattr(sys.modules.get(name), "__file__", None)
-        if name in sys.modules and (loaded is None or Path(loaded).resolve() != file):
+        raise InputError(f"plugins: expected names of Python modules, received {shown(name)}")
+    with own(f"plugins: {shown(name)}", name):
+        _check_beside(name, folder)
+        try:
+            module = importlib.import_module(name)
+        except ModuleNotFoundError as error:
+            if error.name != name:
+                raise
+            beside = "" if folder is None else f" in {str(folder.resolve())!r}, or"
             raise InputError(
-                f"plugins: {name!r} is {file}, but also the loaded module {loaded or 'of Python'}; "
-                "rename the file"
-            )
-        if str(file.parent) not in sys.path:
-            sys.path.append(str(file.parent))
-    try:
-        module = importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name != name:
-            raise InputError(f"plugins: {name!r} {_failed(error)}") from error
-        beside = "" if folder is None else f" in {str(folder.resolve())!r}, or"
+                f"plugins: expected a module{beside} on the path of Python, received {shown(name)}"
+            ) from None
+        for thing in list(vars(module).values()):
+            for registry in REGISTRIES:
+                if registry.takes(thing) and registry.origin(thing)[0] == module.__name__:
+                    registry.add(thing)
+
+
+def _check_beside(name: str, folder: Path | None) -> None:
+    """Put the folder of a plugin beside a scene on the path; InputError for another module."""
+    if folder is None or not (file := folder.resolve() / f"{name}.py").is_file():
+        return
+    loaded = getattr(sys.modules.get(name), "__file__", None)
+    if name in sys.modules and (loaded is None or Path(loaded).resolve() != file):
         raise InputError(
-            f"plugins: expected a module{beside} on the path of Python, received {name!r}"
-        ) from None
-    except Exception as error:
-        raise InputError(f"plugins: {name!r} {_failed(error)}") from error
-    for thing in list(vars(module).values()):
-        for registry in REGISTRIES:
-            if registry.takes(thing) and registry.origin(thing)[0] == module.__name__:
-                registry.add(thing)
+            f"plugins: {name!r} is {file}, but also the loaded module {loaded or 'of Python'}; "
+            "rename the file"
+        )
+    if str(file.parent) not in sys.path:
+        sys.path.append(str(file.parent))
+
+
+@contextmanager
+def own(who: str, module: str) -> Iterator[None]:
+    """Turn what fails in a user's own code into an InputError with its name, and the line.
+
+    who: the thing in the message; module: the one that defines it. Interrupts, a lack of memory
+    and errors in a sentence go on.
+    """
+    try:
+        yield
+    except (KeyboardInterrupt, MemoryError, InputError, ConvergenceError):
+        raise
+    except BaseException as error:  # also SystemExit of a script that was meant to be run
+        steps = traceback.walk_tb(error.__traceback__)
+        lines = [line for frame, line in steps if frame.f_globals.get("__name__") == module]
+        where = f" (line {lines[-1]} of {module})" if lines else ""
+        (what,) = traceback.format_exception_only(error)[-1:]
+        raise InputError(f"{who} failed with {what.strip()}{where}") from error
 
 
 def load_of_environment() -> None:
@@ -296,7 +326,3 @@ def hyphenated(name: str) -> str:
     """Return the `kind` for the name of a class or function: KeyEdge is "key-edge"."""
     words = re.findall("[A-Z]+(?![a-z])|[A-Z]?[a-z0-9]+", name)
     return "-".join(words).lower()
-
-
-def _failed(error: Exception) -> str:
-    return f"failed when it was loaded, with {type(error).__name__}: {error}"

@@ -89,6 +89,34 @@ def test_what_is_no_response_is_named(monkeypatch):
         ff.run("flat-press", changes=CHANGES, mechanics="springs")
 
 
+@pytest.mark.parametrize(
+    ("method", "returned", "sentence"),
+    [
+        ("cost", "soon", "mechanics 'springs' failed with TypeError"),
+        ("error", 0.1, "mechanics 'springs' failed with TypeError"),
+        ("refuse", 5, "mechanics 'springs' failed with TypeError"),
+        ("respond", None, r"failed with ZeroDivisionError.* \(line \d+ of .*test_own_mechanics\)"),
+    ],
+)
+def test_a_method_that_fails_or_returns_another_type_is_an_error_of_that_mechanics(
+    monkeypatch, method, returned, sentence
+):
+    def fails(*_):
+        return returned if returned is not None else 1 / 0
+
+    monkeypatch.setattr(Springs, method, fails)
+    ff.register(Springs)
+    with pytest.raises(InputError, match=sentence):
+        ff.run("flat-press", changes=CHANGES, mechanics="springs")
+
+
+def test_traits_of_another_type_are_refused(monkeypatch):
+    monkeypatch.setattr(Springs, "traits", 7, raising=False)
+    ff.register(Springs)
+    with pytest.raises(InputError, match="traits"):
+        ff.run("flat-press", changes=CHANGES, mechanics="springs")
+
+
 def test_a_name_that_is_taken_is_refused(monkeypatch):
     monkeypatch.setattr(Springs, "name", "hertz")
     with pytest.raises(InputError, match="'hertz' is the name of the package"):

@@ -69,6 +69,7 @@ def test_a_scene_has_its_spikes():
         ([[0.3, 1.2]], "expected ascending spike times"),
         ([[[0.3]]], "expected ascending spike times"),
         ([], "expected spikes of 1 units, received 0"),
+        (5, "failed with TypeError"),
     ],
 )
 def test_spikes_that_cannot_be_are_refused(monkeypatch, spikes, sentence):

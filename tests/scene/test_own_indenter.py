@@ -166,6 +166,22 @@ def test_half_a_finger_is_enough_for_a_shape_that_is_its_mirror_image(
     assert not Slab(3.0, 0.5, roll=30.0).mirrored
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        "def __post_init__(self): 1 / 0",
+        "def gradient(self, x, y): return 5",
+        "depth: 'Nothing' = 5.0",
+        "def surface(self, x, y): return 1j * x",
+        "def surface(self, x, y): raise SystemExit(4)",
+    ],
+)
+def test_a_class_that_fails_is_an_error_of_the_scene(folder: Path, body: str) -> None:
+    (folder / "my_objects.py").write_text(f"{PLUGIN}\n    {body}\n")
+    answer = CliRunner().invoke(cli, ["explain", str(folder / "mine.toml")])
+    assert isinstance(answer.exception, InputError)
+
+
 # Mechanics
 
 
@@ -286,7 +302,9 @@ def bad(body: str) -> str:
 
 
 BAD = [
-    pytest.param("import nothing_there", "'my_objects' failed when it was", id="import fails"),
+    pytest.param(
+        "import nothing_there", "'my_objects' failed with ModuleNotFound", id="import fails"
+    ),
     pytest.param("raise RuntimeError('no')", "RuntimeError: no", id="code fails"),
     pytest.param("x = 1", "expected one of .*received 'key-edge'", id="no such class"),
     pytest.param(bad("return -np.sqrt(25 - x**2)"), "surface: expected finite", id="not finite"),

@@ -1,6 +1,7 @@
 """Things of a user by name: registered, of a plugin, of an entry point, in child processes."""
 
 import sys
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import process_calls
@@ -110,16 +111,23 @@ def test_a_plugin_registers_what_it_defines_and_not_what_it_imports(tmp_path):
     [
         ("my-marbles", "", "expected names of Python modules"),
         ("my_nothing", None, "expected a module in"),
-        ("my_typo", "1 / 0", "failed when it was loaded, with ZeroDivisionError"),
-        ("my_needs", "import no_such_library", "failed when it was loaded, with ModuleNotFound"),
+        ("my_typo", "\n1 / 0", r"ZeroDivisionError: .* \(line 2 of my_typo\)"),
+        ("my_needs", "import no_such_library", "failed with ModuleNotFound"),
+        ("my_script", "raise SystemExit(3)", "failed with SystemExit: 3"),
+        ("my_mute", "class E(Exception):\n __str__ = None\nraise E", "failed with my_mute.E"),
+        ("my_trap", "class T:\n def __getattr__(s, n): 1 / 0\nt = T()", "ZeroDivisionError"),
+        ("my_any", "class T:\n def __getattr__(s, n): return 1\nt = T()", None),
+        ("my_law", "import fefinger as ff\nlaw = ff.Law('mine', 5)", "law.density"),
+        (300 * "m", "", "failed with OSError"),
         ("json", "", "rename the file"),
         ("my_taken", PLUGIN.replace("marble", "flat"), "'flat' is the name of the package"),
     ],
 )
 def test_a_plugin_that_cannot_be_loaded_is_named(tmp_path, name, source, sentence):
-    if source is not None:
+    if source is not None and len(name) < 256:
         (tmp_path / f"{name}.py").write_text(source)
-    with pytest.raises(InputError, match=sentence):
+    refused = pytest.raises(InputError, match=sentence) if sentence else nullcontext()
+    with refused:
         registry.load_plugin(name, tmp_path)
 
 
@@ -144,7 +152,7 @@ def test_an_installed_distribution_extends_the_package(tmp_path, monkeypatch):
     [
         ("sphere = my_marbles:Marble", "'sphere' is an entry point of marbles"),
         ("marble = my_marbles:dataclass", "expected my_marbles:dataclass to have 'profile'"),
-        ("marble = my_marbles:Gone", "failed when it was loaded, with AttributeError"),
+        ("marble = my_marbles:Gone", "failed with AttributeError"),
     ],
 )
 def test_an_entry_point_that_cannot_be_used_is_named(tmp_path, monkeypatch, line, sentence):

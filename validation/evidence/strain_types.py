@@ -22,7 +22,7 @@ from fefinger.mechanics import get
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene import library
-from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.indenters import Flat
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.vocabulary import TYPES
 
@@ -58,6 +58,12 @@ OTHER_TISSUES: dict[str, tuple[str, float | None]] = {
 """Tissues by name: a published set, and the modulus of the skin in kPa where it is another. 30 kPa
 is less than that of the tissue below, and a third of that of the set."""
 
+OTHER_OBJECTS = (
+    *("flat-30", "sphere-5", "flat-0", "flat-60"),
+    *("sphere-10", "cylinder", "bar", "grating"),
+)
+"""Objects that were pressed into them."""
+
 MEASURED: dict[str, Measurement] = {
     name: replace(MEASUREMENTS[name], part=min(MEASUREMENTS[name].part, DEEPEST))
     for name in (
@@ -66,9 +72,10 @@ MEASURED: dict[str, Measurement] = {
         *(f"a.h./{name}" for name in OWN_OBJECTS),
     )
 } | {
-    f"{owner}/{name}": Measurement("a.h.", indenter, DEEPEST, *tissue)
+    f"{owner}/{name}": Measurement("a.h.", like.indenter, min(like.part, DEEPEST), *tissue)
     for owner, tissue in OTHER_TISSUES.items()
-    for name, indenter in (("flat-30", Flat(30)), ("sphere-5", Sphere(5)))
+    for name in OTHER_OBJECTS
+    for like in [MEASUREMENTS[f"{library.PUBLISHED}/{name}"]]
 }
 MEASURED[f"{library.PUBLISHED}/tilt-15"] = Measurement(
     "a.h.", Flat(30, tilt=15.0), DEEPEST, library.PUBLISHED

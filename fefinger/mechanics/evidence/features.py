@@ -103,7 +103,7 @@ class Features(NamedTuple):
             abs(plate.tilt) / DEGREES,
             math.hypot(*(indenter.place or (0.0, 0.0))) / AWAY,
             math.log(finger.thickness) / SIZE,
-            math.log(finger.skin.modulus / tissue.modulus) / LOGARITHM / 2,
+            math.log(finger.skin.modulus / tissue.modulus) / LOGARITHM,
             math.log(tissue.exponent or 1.0) / LOGARITHM,
         )
         kind = indenter.kind if indenter.sharp and not indenter.raised else ROUND

@@ -2,7 +2,7 @@
 
 1. A press is an object and a finger. Its features are curvatures, width of edges, angle, tilt and
    place of the object, size, contrast and stiffening of the finger (`features.py`).
-2. Every mechanics was compared with finite strain on the finest mesh in some 75 presses, at twelve
+2. Every mechanics was compared with finite strain on the finest mesh in some 95 presses, at twelve
    depths (`presses.py`). Finite strain itself is compared with what its meshes extrapolate to.
 3. The estimate for a scene is the mean of the errors in the NEAREST presses, at its depth over the
    thickness; weights are 1 / (distance² + SAME).
