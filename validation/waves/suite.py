@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.case import Case, Expected, Noted, Row, tabled
-from fefinger.validation.waves import bodies, drawings, finger, loops
+from fefinger.validation.waves import bodies, direct, drawings, finger, loops
 
 
 TENTH_PERCENT = 1e-3
@@ -65,6 +65,8 @@ def cases(*, quick: bool) -> Iterator[Case]:
     yield from _closed_forms(quick=quick)
     yield from tabled(LOOPS)
     if not quick:
+        for name in direct.PATHS:
+            yield from _direct(name)
         yield from tabled(FINGERS)
         yield from finger.verdicts()
 
@@ -93,6 +95,19 @@ def _closed_forms(*, quick: bool) -> Iterator[Case]:
         "Lamb's integral, Miller and Pursey (1954); held 24 mm away, where waves have died out",
         reason="the modes that are left out, and the edge of the disc, where strain is singular",
     )
+
+
+def _direct(name: str) -> Iterator[Case]:
+    """Yield the comparison of a motion with direct integration."""
+    source = "backward differences of second order for every unknown of the mesh, without modes"
+    for what, measure, limit in (
+        ("force over its peak", direct.force_error, 0.01),
+        ("strain of each type over its peak", direct.strain_error, 0.01),
+        ("number of spikes of each type", direct.spikes, 1.0),
+    ):
+        title = f"{name} beside direct integration: largest difference of the {what}"
+        expected = Expected.between(0.0, limit, "spikes" if limit == 1.0 else "1")
+        yield Case(title, partial(measure, name), expected, source)
 
 
 LOOPS: dict[str, Row] = {
