@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.checked_signals import UnitInput, coarse_remarks
-from fefinger.neural.endorgans import PoleZero, modes_of
+from fefinger.neural.endorgans import PoleZero
 from fefinger.neural.membranes import IntegrateAndFire
 from fefinger.neural.trains import SpikeTrains
 from fefinger.neural.variation import Variation
@@ -47,6 +47,9 @@ ratio of a current to the threshold matters."""
 SPIKE_MV = 40.0
 """Potential in mV that the threshold counts as, as in `IntegrateAndFire`."""
 
+APART = 1.1
+"""Least ratio of the two corners of a filter, so that its partial fractions do not cancel."""
+
 LONGEST = {"SAI": 2e-4, "SAII": 2e-4, "FAI": 2e-4, "FAII": 1e-4}
 """Longest integration step in s of the units of a type."""
 
@@ -70,7 +73,8 @@ def _in(low: float, high: float, unit: str, meaning: str) -> Any:
 class Recorded:
     """Parameters of the units of one type, each with its range, unit and meaning in BOUNDS.
 
-    Filter: a lead of the given order, M [(static p + s) / (p + s)]^order with p = 2 pi corner.
+    Filter: a lead of the given order, [(static p + s) / (p + s)]^order with p = 2 pi corner, and a
+    lag q / (q + s) with q = 2 pi upper.
     Generator: I = u / (1 + u / largest) with u = gain |y|, times `negative` where y < 0: it still
     follows a vibration that saturates both signs.
     Adaptation: adaptation dw/dt = I - w takes adapting w off the current.
@@ -90,6 +94,7 @@ class Recorded:
     static: float = _in(0.0, 1.0, "", "gain of the filter at rest over that at high frequency")
     corner: float = _in(1e-2, 2000.0, "Hz", "corner frequency of the filter")
     order: float = _in(1.0, 2.0, "", "order of the filter; 2: the corner twice")
+    upper: float = _in(50.0, 1e5, "Hz", "corner frequency above which the filter falls again")
     negative: float = _in(0.0, 1.0, "", "current of a negative output over that of a positive one")
     largest: float = _in(1.01, 1e4, "", "current of the saturated generator over threshold")
     adapting: float = _in(0.0, 1.0, "", "part of a constant current that adaptation takes away")
@@ -108,6 +113,11 @@ class Recorded:
             set_number(self, name, at_least=bounds.low, at_most=bounds.high, unit=bounds.unit)
         if self.order not in (1.0, 2.0):
             raise InputError(f"order: expected 1 or 2, received {self.order:g}")
+        if self.upper < APART * self.corner:
+            raise InputError(
+                f"upper: expected {APART:g} times the corner of {self.corner:g} Hz or more, "
+                f"received {self.upper:g} Hz"
+            )
 
     @property
     def latency(self) -> float:
@@ -115,19 +125,28 @@ class Recorded:
         return LATENCY * self.jitter
 
     @cached_property
-    def organ(self) -> PoleZero:
-        """The filter, of two poles a thousandth apart where its order is 2.
+    def modes(self) -> tuple[float, Array, Array]:
+        """At rest, weights (3,) and poles (3,) in rad/s of the filter, as of `modes_of`.
 
-        So near, the partial fractions are still exact.
+        Two poles of the lead are a thousandth apart where its order is 2: so near, the partial
+        fractions are still exact. The lag turns c s / (s + p) into q c / (q - p) times
+        s / (s + p) - s / (s + q), and leaves nothing of a jump.
         """
         count = int(self.order)
         poles = (self.corner, 1.001 * self.corner)[:count]
-        return PoleZero(zeros=(self.static * self.corner,) * count, poles=poles)
+        lead = PoleZero(zeros=(self.static * self.corner,) * count, poles=poles)
+        at_rest, c, p = lead.partial_fractions()
+        q = 2.0 * np.pi * self.upper
+        share, pole = np.zeros(3), np.full(3, q)
+        share[:count], pole[:count] = c * q / (q - p), p
+        share[2] = -at_rest - share.sum()
+        return at_rest, share, pole
 
     def frequency_response(self, frequency: Array) -> NDArray[np.complex128]:
         """Output over input of the filter at frequencies in Hz."""
         s = 1j * np.asarray(frequency, float)
-        return ((s + self.static * self.corner) / (s + self.corner)) ** self.order
+        lead = ((s + self.static * self.corner) / (s + self.corner)) ** self.order
+        return np.asarray(lead * self.upper / (s + self.upper))
 
 
 BOUNDS: dict[str, Bounds] = {
@@ -191,7 +210,7 @@ def units_of(
         each.name: np.array([getattr(unit, each.name) for unit in parameters])
         for each in fields(Recorded)
     }
-    at_rest, share, pole = modes_of([unit.organ for unit in parameters])
+    at_rest, share, pole = map(np.array, zip(*(unit.modes for unit in parameters), strict=True))
     (base,) = np.random.SeedSequence([seed, 2, 1, *([trial] if trial else [])]).generate_state(
         1, np.uint64
     )

@@ -19,7 +19,7 @@ from fefinger.support.threads import together
 class Units(NamedTuple):
     """Parameters of units, one row each; times in s, currents over the threshold current.
 
-    gain per mm, at_rest and share (n, 2) of the filter, pole (n, 2) in rad/s; negative: weight of a
+    gain per mm, at_rest and share (n, 3) of the filter, pole (n, 3) in rad/s; negative: weight of a
     negative output of the filter; largest: current of the saturated generator; adapting: part of
     the current that adaptation takes away, within adaptation s; recovery: current after a spike,
     which fades within recovering s; membrane, refractory; noise: standard deviation at its knots;
@@ -45,8 +45,8 @@ class Units(NamedTuple):
     stream: NDArray[np.uint64]
 
 
-X, MODE, SLOW, CURRENT, ADAPTED, AFTER, POTENTIAL, FREE, PEAK, FIRED, LAST, SIZE = range(12)
-"""Places in the state of a unit: last input in mm, two modes of the filter, current, adaptation,
+X, MODE, SLOW, THIRD, CURRENT, ADAPTED, AFTER, POTENTIAL, FREE, PEAK, FIRED, LAST, SIZE = range(13)
+"""Places in the state of a unit: last input in mm, three modes of the filter, current, adaptation,
 current after spikes, potential, time in s from which it is free to fire, highest potential, number
 of impulses, and time in s of the last."""
 
@@ -90,6 +90,7 @@ def generate(units: Units, i: int, state: Array) -> None:
     """Set the generator current of unit i from its input and filter modes."""
     y = units.at_rest[i] * state[X]
     y += units.share[i, 0] * state[MODE] + units.share[i, 1] * state[SLOW]
+    y += units.share[i, 2] * state[THIRD]
     state[CURRENT] = generator(y, units.gain[i], units.negative[i], 1.0 / units.largest[i])
 
 
@@ -116,7 +117,7 @@ def rested(units: Units, x: Array, start: float = 0.0) -> Array:
     """States (n, SIZE) of units at rest, free to fire, that jump to inputs x (n,) mm at `start`."""
     states = np.zeros((len(x), SIZE))
     states[:, FREE], states[:, LAST] = start, start - units.refractory
-    states[:, X] = states[:, MODE] = states[:, SLOW] = x
+    states[:, X : THIRD + 1] = x[:, None]
     for i, state in enumerate(states):
         generate(units, i, state)
     return states
@@ -129,17 +130,21 @@ NEVER = -(10**15)
 
 # Offsets of the rows in the array of a block. One array, because the compiler then needs no checks
 # at run time that rows do not overlap. Parameters:
-_GAIN, _AT_REST, _SHARE, _OTHER, _NEGATIVE, _INVERSE, _ADAPTING, _NOISE = range(0, 8 * LANES, LANES)
-# Factors of a step:
-_FADE, _WANE, _GROW, _RISE, _ADAPT, _FORGET, _LEAK = range(8 * LANES, 15 * LANES, LANES)
+_GAIN, _AT_REST, _SHARE, _OTHER, _LESS, _NEGATIVE, _INVERSE, _ADAPTING, _NOISE = range(
+    0, 9 * LANES, LANES
+)
+# Factors of a step: what is left of each mode, and its part of a change of the input; the others:
+_FADE, _WANE, _DIM, _GROW, _RISE, _CLIMB, _ADAPT, _FORGET, _LEAK = range(
+    9 * LANES, 18 * LANES, LANES
+)
 # Change of the input and of the filter modes in a step:
-_MOVE, _PUSH, _LIFT = range(15 * LANES, 18 * LANES, LANES)
+_MOVE, _PUSH, _LIFT, _HOIST = range(18 * LANES, 22 * LANES, LANES)
 # State, in the order of its places up to PEAK, and the noise at the knots before and after:
-_X, _MODE, _SLOW, _CURRENT, _ADAPTED, _TAKEN, _V, _FREE, _PEAK, _LEFT, _RIGHT = range(
-    18 * LANES, 29 * LANES, LANES
+_X, _MODE, _SLOW, _THIRD, _CURRENT, _ADAPTED, _TAKEN, _V, _FREE, _PEAK, _LEFT, _RIGHT = range(
+    22 * LANES, 34 * LANES, LANES
 )
 # What the step leaves, the mean drive and 1 for a lane to finish, and the end:
-_DRIVE, _RARE, _END = range(29 * LANES, 32 * LANES, LANES)
+_DRIVE, _RARE, _END = range(34 * LANES, 37 * LANES, LANES)
 
 
 @njit(cache=True, fastmath={"contract", "arcp", "nsz"}, error_model="numpy")
@@ -153,7 +158,9 @@ def _steps(s: Array, t: float, h: float, since: float) -> int:
         x = s[_X + i] + s[_MOVE + i]
         mode = s[_FADE + i] * s[_MODE + i] + s[_PUSH + i]
         slow = s[_WANE + i] * s[_SLOW + i] + s[_LIFT + i]
-        y = s[_AT_REST + i] * x + s[_SHARE + i] * mode + s[_OTHER + i] * slow
+        third = s[_DIM + i] * s[_THIRD + i] + s[_HOIST + i]
+        y = s[_AT_REST + i] * x + s[_SHARE + i] * mode
+        y += s[_OTHER + i] * slow + s[_LESS + i] * third
         current = generator(y, s[_GAIN + i], s[_NEGATIVE + i], s[_INVERSE + i])
         mean = 0.5 * (s[_CURRENT + i] + current)
         adapted, taken, forget = s[_ADAPTED + i], s[_TAKEN + i], s[_FORGET + i]
@@ -166,7 +173,7 @@ def _steps(s: Array, t: float, h: float, since: float) -> int:
         now = v + s[_LEAK + i] * (drive - v)
         now = now if free <= t else v
         finish = (now >= 1.0) | ((free > t) & (free < t + h))
-        s[_X + i], s[_MODE + i], s[_SLOW + i] = x, mode, slow
+        s[_X + i], s[_MODE + i], s[_SLOW + i], s[_THIRD + i] = x, mode, slow, third
         s[_CURRENT + i], s[_ADAPTED + i], s[_TAKEN + i] = current, adapted + nearer, taken * forget
         s[_PEAK + i] = max(s[_PEAK + i], now)
         s[_V + i] = v if finish else now
@@ -206,10 +213,10 @@ def _refresh(units: Units, block: Integers, s: Array, h: float) -> None:
     """Compute the factors of steps of h s."""
     for i in range(len(block)):
         u = block[i]
-        first, second = units.pole[u, 0] * h, units.pole[u, 1] * h
-        s[_FADE + i], s[_WANE + i] = math.exp(-first), math.exp(-second)
-        s[_GROW + i] = (1.0 - s[_FADE + i]) / first
-        s[_RISE + i] = (1.0 - s[_WANE + i]) / second
+        for mode in range(3):
+            size, at = units.pole[u, mode] * h, mode * LANES + i
+            s[_FADE + at] = math.exp(-size)
+            s[_GROW + at] = (1.0 - s[_FADE + at]) / size
         s[_ADAPT + i] = -math.expm1(-h / units.adaptation[u])
         s[_FORGET + i] = math.exp(-h / units.recovering[u])
         s[_LEAK + i] = -math.expm1(-h / units.membrane[u])
@@ -231,8 +238,9 @@ def _load(units: Units, block: Integers, states: Array, s: Array) -> None:
         u = block[i]
         s[_GAIN + i], s[_NEGATIVE + i] = units.gain[u], units.negative[u]
         s[_AT_REST + i], s[_INVERSE + i] = units.at_rest[u], 1.0 / units.largest[u]
-        s[_SHARE + i], s[_OTHER + i] = units.share[u, 0], units.share[u, 1]
         s[_ADAPTING + i], s[_NOISE + i] = units.adapting[u], units.noise[u]
+        for mode in range(3):
+            s[_SHARE + mode * LANES + i] = units.share[u, mode]
         for k in range(PEAK + 1):
             s[_X + k * LANES + i] = states[u, k]
 
@@ -274,7 +282,8 @@ def run(
             change = x[k, block[i]] - s[_X + i]
             part = change / steps
             s[_MOVE + i] = part
-            s[_PUSH + i], s[_LIFT + i] = part * s[_GROW + i], part * s[_RISE + i]
+            for at in range(i, 3 * LANES, LANES):
+                s[_PUSH + at] = part * s[_GROW + at]
             if h == 0.0:
                 _jump(s, i, change)
         if h > 0.0:
@@ -302,10 +311,10 @@ def run(
 @njit(cache=True)
 def _jump(s: Array, i: int, change: float) -> None:
     """Change the input of lane i by some mm at once."""
-    s[_X + i] += change
-    s[_MODE + i] += change
-    s[_SLOW + i] += change
-    y = s[_AT_REST + i] * s[_X + i] + s[_SHARE + i] * s[_MODE + i] + s[_OTHER + i] * s[_SLOW + i]
+    for row in (_X, _MODE, _SLOW, _THIRD):
+        s[row + i] += change
+    y = s[_AT_REST + i] * s[_X + i] + s[_SHARE + i] * s[_MODE + i]
+    y += s[_OTHER + i] * s[_SLOW + i] + s[_LESS + i] * s[_THIRD + i]
     s[_CURRENT + i] = generator(y, s[_GAIN + i], s[_NEGATIVE + i], s[_INVERSE + i])
 
 

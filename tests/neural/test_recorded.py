@@ -35,6 +35,7 @@ PLAIN = Recorded(
     static=1.0,
     corner=30.0,
     order=1.0,
+    upper=1e5,
     negative=0.0,
     largest=1e4,
     adapting=0.0,
@@ -94,13 +95,18 @@ def test_below_threshold_no_unit_fires_and_its_potential_is_the_current():
     assert trains.peak_mV == pytest.approx([40.0 * 0.9 / (1.0 + 0.9 / PLAIN.largest)], rel=1e-9)
 
 
-@pytest.mark.parametrize(("order", "corner", "static"), [(1, 30.0, 0.2), (2, 120.0, 0.0)])
-def test_the_filter_is_that_of_scipy(order, corner, static):
-    unit = replace(PLAIN, order=float(order), corner=corner, static=static, negative=1.0)
+@pytest.mark.parametrize(
+    ("order", "corner", "static", "upper"),
+    [(1, 30.0, 0.2, 1e5), (1, 9.0, 0.0, 80.0), (2, 120.0, 0.0, 400.0), (2, 90.0, 0.3, 100.0)],
+)
+def test_the_filter_is_that_of_scipy(order, corner, static, upper):
+    unit = replace(
+        PLAIN, order=float(order), corner=corner, static=static, upper=upper, negative=1.0
+    )
     x = np.cumsum(np.random.default_rng(4).normal(size=TIME.shape)) * 0.01
     out = generated(unit, TIME, x)
-    p = 2 * np.pi * corner
-    system = np.poly([-static * p] * order), np.poly([-p] * order)
+    p, q = 2 * np.pi * corner, 2 * np.pi * upper
+    system = q * np.poly([-static * p] * order), np.poly([-p] * order + [-q])
     _, y, _ = signal.lsim(system, x - x[0], TIME)
     _, start, _ = signal.lsim(system, np.full(TIME.shape, x[0]), TIME)
     assert out == pytest.approx(np.abs(y + start), abs=2e-3 * np.abs(y).max())
@@ -109,14 +115,14 @@ def test_the_filter_is_that_of_scipy(order, corner, static):
         (static * corner,) * order, tuple(corner * (1 + 1e-3 * k) for k in range(order))
     )
     assert unit.frequency_response(frequency) == pytest.approx(
-        poles.frequency_response(frequency), rel=2e-3
+        poles.frequency_response(frequency) / (1 + 1j * frequency / upper), rel=2e-3
     )
 
 
 def test_the_generator_saturates_and_weighs_both_signs():
     unit = replace(PLAIN, gain=3.0, largest=5.0, negative=0.25)
     x = np.array([0.0, 0.1, 2.0, 1e3, -2.0, -1e6])
-    out = generated(unit, np.arange(6.0), x)
+    out = generated(unit, np.arange(12.0), np.repeat(x, 2))[1::2]  # late in a hold: no lag
     u = np.array([0.0, 0.3, 6.0, 3e3, 6.0, 3e6])
     assert out == pytest.approx(u / (1 + u / 5.0) * np.where(x < 0, 0.25, 1.0))
 
@@ -453,7 +459,7 @@ def one_by_one(units, i, time, x, longest):
         y = units.at_rest[i] * entered + units.share[i] @ modes
         return compiled.generator(y, units.gain[i], units.negative[i], 1 / units.largest[i])
 
-    entered, modes = x[0], np.full(2, x[0])
+    entered, modes = x[0], np.full(3, x[0])
     current, adapted, taken, v, free, times = output(modes), 0.0, 0.0, 0.0, 0.0, []
     for start, length, change in zip(time, np.diff(time), np.diff(x), strict=False):
         steps = max(1, math.ceil(length / longest - 1e-9))
@@ -503,6 +509,7 @@ def test_units_side_by_side_fire_as_each_by_itself():
     [
         (lambda: replace(PLAIN, gain=-1.0), "gain"),
         (lambda: replace(PLAIN, order=1.5), "order"),
+        (lambda: replace(PLAIN, corner=60.0, upper=65.0), "upper"),
         (lambda: replace(PLAIN, drive="pressure"), "drive"),
         (
             lambda: RecordedAfferents(("SAI",), np.eye(3), unit=[0, 0, 0]).step(

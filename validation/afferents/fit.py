@@ -2,11 +2,12 @@
 
 Each type is fitted by itself, through the mechanics of `experiments.py`, about the parameters in
 the file: rounds of random units about them from a seed, and of a simplex from the best of these;
-some two minutes a type. What is fitted: rates of vibrations (`vibration_rates.csv`) of SAI, FAI and
-FAII, as the mean of a population and, with less weight, as its median unit, of SAI also frequency
-by frequency; shapes of the threshold curves of FAI and FAII (`thresholds_units.csv`); rates of SAI
-under spheres (`curvature_SAI.csv`), and their fall in the first 12 s of a steady hold. What is not
-fitted is said where it is set, in `SET`.
+some minutes a type. What is fitted: rates of vibrations (`vibration_rates.csv`) of SAI, FAI and
+FAII, as the mean of a population, together and frequency by frequency, and, with less weight, as
+its median unit; shapes of the threshold curves of FAI and FAII (`thresholds_units.csv`); rates of
+SAI under spheres (`curvature_SAI.csv`), and their fall in the first 12 s of a steady hold. What is
+not fitted is said where it is set, in `SET`. The search is a local one: where the structure of the
+units changes, it begins from parameters that were found by hand.
 The result replaces `fefinger/neural/recorded.json`.
 """
 
@@ -47,12 +48,15 @@ PRECISE = (
     "millisecond (Saal, Wang & Bensmaia 2016, Curr Opin Neurobiol 40:142, a review)"
 )
 
+SLOW = "not used: they do not follow the frequencies at which it would matter"
+
 WITHOUT = "not used: the noise of the current makes intervals irregular enough"
 
 SET: dict[str, dict[str, tuple[float, str]]] = {
     "SAI": {
         "jitter": (0.0, WITHOUT),
         "order": (1.0, "a choice: a lead of first order"),
+        "upper": (1e5, SLOW),
     },
     "FAI": {
         "jitter": (7e-4, PRECISE),
@@ -70,6 +74,7 @@ SET: dict[str, dict[str, tuple[float, str]]] = {
         "static": (0.3, EDIN),
         "corner": (1.0, EDIN),
         "order": (1.0, "a choice, as SAI"),
+        "upper": (1e5, SLOW),
         "negative": (0.0, "a choice: silent in compression of the skin"),
         "largest": (1000.0, "a choice: no saturation in the range of strains"),
         "adapting": (0.3, "a choice: SAII adapt less than SAI"),
@@ -103,25 +108,27 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
     "FAI": {
         "gain": (10.0, 5000.0),
         "corner": (5.0, 30.0),
-        "negative": (0.4, 1.0),
+        "upper": (300.0, 5000.0),
+        "negative": (0.6, 1.0),
         "largest": (2.0, 100.0),
         "adapting": (0.1, 1.0),
-        "adaptation": (5e-4, 0.1),
+        "adaptation": (4e-3, 0.1),
         "recovery": (0.1, 10.0),
         "recovering": (1e-3, 0.05),
-        "membrane": (8.5e-3, 0.02),
-        "refractory": (2.5e-3, 5e-3),
+        "membrane": (1.5e-4, 0.02),
+        "refractory": (2e-3, 3e-3),
         "noise": (0.02, 1.0),
         "spread": (0.2, 1.0),
     },
     "FAII": {
-        "gain": (100.0, 1e4),
+        "gain": (100.0, 1e5),
         "corner": (60.0, 500.0),
+        "upper": (560.0, 5000.0),
         "negative": (0.5, 1.0),
-        "largest": (13.0, 100.0),
+        "largest": (5.0, 100.0),
         "adapting": (0.1, 1.0),
         "adaptation": (5e-4, 0.1),
-        "recovery": (0.1, 10.0),
+        "recovery": (0.05, 10.0),
         "recovering": (1e-3, 0.05),
         "membrane": (2e-4, 0.01),
         "refractory": (1e-3, 2.4e-3),
@@ -129,23 +136,25 @@ FREE: dict[str, dict[str, tuple[float, float]]] = {
         "spread": (0.3, 1.3),
     },
 }
-"""Fitted parameters and the range of the search; their logarithms are what is varied. The corner of
-FAI is kept below 30 Hz, where recorded thresholds stop falling in proportion to frequency; the
-current of a negative output is kept above 0.4 of that of a positive one for FAI, and above 0.5 for
-FAII, since recorded units fire at release. The refractory time of FAI is 2.5 ms and more: with less
-they burst at 470 Hz as a pin comes, and follow every cycle of 400 Hz, while of 600 Hz they miss
-most. That of FAII is kept below 2.4 ms, else they fire at every second cycle of 400 Hz and at each
-of 300 Hz. The membrane of FAI is slow enough for the lowest threshold to lie below 60 Hz, as
-recorded. The refractory time of SAI is 3 ms and more, so that its bursts stay below some 300 Hz;
-its adaptation leaves a third of the current and more, since recorded units fire on in holds of
+"""Fitted parameters and the range of the search; their logarithms are what is varied. The current
+of a negative output is kept above 0.6 of that of a positive one for FAI, and above 0.5 for FAII,
+since recorded units fire at release. For that the adaptation of FAI is no faster than 4 ms either:
+at 3 ms rates at 20 and 300 Hz have R2 .93 and .92 where they have .86, but no release at 20 mm/s is
+answered. The refractory time of FAI is 3 ms at most: with 4.4 ms they miss every second cycle of
+300 Hz. That of FAII is kept below 2.4 ms, else they fire at every second cycle of 400 Hz and at
+each of 300 Hz. The refractory time of SAI is 3 ms and more, so that its bursts stay below some 300
+Hz; its adaptation leaves a third of the current and more, since recorded units fire on in holds of
 minutes."""
 
-MEDIAN, EACH, PLATEAU, SHAPE, REST, SPHERES, FALL = 0.15, 0.15, 10.0, 0.8, 0.2, 20.0, 8.0
-"""Weights, beside 1 - R² of the population, of the same of the median unit, of the mean squared
-error over the variance of its frequency (of SAI, which fire little), of the mean squared relative
-error where units fire one impulse per cycle, of the mean squared deviation of the logarithms of the
-thresholds up to a constant, of the squared rate at rest over LOUD, and of the mean squared relative
-errors under spheres and of the falls in a hold."""
+EACH = {"SAI": 0.15, "FAI": 2.4, "FAII": 2.4}
+"""Weight of the mean squared error over the variance of its frequency, beside 1 - R² of all rates
+of the population: high for FA, whose rates at 300 and 600 Hz outweigh those at 20 Hz tenfold."""
+
+MEDIAN, PLATEAU, SHAPE, REST, SPHERES, FALL = 0.15, 10.0, 0.8, 0.2, 20.0, 8.0
+"""Weights of 1 - R² of the median unit, of the mean squared relative error where units fire one
+impulse per cycle, of the mean squared deviation of the logarithms of the thresholds up to a
+constant, of the squared rate at rest over LOUD, and of the mean squared relative errors under
+spheres and of the falls in a hold."""
 
 FAINT = 5.0
 """Hz: least deviation of the rates of a frequency that its errors are measured against."""
@@ -153,7 +162,7 @@ FAINT = 5.0
 LOUD = 0.5
 """Rate in Hz at rest that counts as an error of 1: FA units are silent there."""
 
-DRAWS, WIDTHS, ITERATIONS = 120, (0.5, 0.3, 0.2), 1000
+DRAWS, WIDTHS, ITERATIONS = 60, (0.2,), 700
 """Size of the search: random units about the start of a round, the standard deviation of their
 logarithms in each round, and evaluations of the simplex that begins with the best of them."""
 
@@ -229,8 +238,8 @@ class Task:
             scale = math.sqrt(weight / float(np.sum((rates - rates.mean()) ** 2)))
             parts.append(scale * (computed - rates))
             if not single:
-                each = EACH if self.kind == "SAI" else 0.0
-                parts.append(math.sqrt(each / len(rates)) * (computed - rates) / self.deviations)
+                scale = math.sqrt(EACH[self.kind] / len(rates))
+                parts.append(scale * (computed - rates) / self.deviations)
                 off = computed[self.plateau] / rates[self.plateau] - 1.0
                 parts.append(math.sqrt(PLATEAU / max(1, len(off))) * off)
         if self.kind == "SAI":

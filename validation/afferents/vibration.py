@@ -21,7 +21,13 @@ UNITS = 7
 SEED = 1
 """Seed of the noise."""
 
-LASTING = {20.0: (0.6, 0.1), 50.0: (0.4, 0.1), 300.0: (0.25, 0.05), 600.0: (0.2, 0.05)}
+LASTING = {
+    20.0: (0.6, 0.1),
+    50.0: (0.4, 0.1),
+    100.0: (0.4, 0.1),
+    300.0: (0.25, 0.05),
+    600.0: (0.2, 0.05),
+}
 """Length of a vibration in s, by frequency in Hz, and its begin that does not count."""
 
 
@@ -59,7 +65,7 @@ class Probed:
     def adapted(self, units: compiled.Units) -> Array:
         """States (n, SIZE) of units that the preload was held on for HELD s."""
         states = compiled.rested(units, np.full(len(units.gain), self.preload))
-        states[:, compiled.MODE] = states[:, compiled.SLOW] = 0.0
+        states[:, compiled.MODE : compiled.THIRD + 1] = 0.0
         for i, state in enumerate(states):
             compiled.generate(units, i, state)
         left = -np.expm1(-HELD / self.unit.adaptation)
@@ -133,6 +139,40 @@ def fit_of_rates(probed: Probed, *, single: bool = False) -> tuple[Array, Array]
         computed.append(probed.rates(frequency, amplitudes, single=single))
         recorded.append(rates)
     return np.concatenate(computed), np.concatenate(recorded)
+
+
+def entrained(probed: Probed) -> float:
+    """Amplitude in um from which units fire 95 % of one impulse per cycle at 300 Hz."""
+    amplitudes = np.geomspace(1e-3, 0.05, 18)
+    reached = probed.rates(300.0, amplitudes) >= 0.95 * 300.0
+    return float(1e3 * amplitudes[np.argmax(reached)]) if reached.any() else np.nan
+
+
+def best_frequency(probed: Probed, low: float, high: float) -> float:
+    """Frequency in Hz of the lowest threshold."""
+    frequencies = np.geomspace(low, high, 60)
+    return float(frequencies[np.argmin(probed.thresholds(frequencies))])
+
+
+def _thresholds(probed: Probed, low: float, high: float) -> tuple[Array, Array]:
+    """Logarithms of recorded frequencies from low to high Hz; thresholds (2, n): own, recorded."""
+    frequency, amplitude = data.thresholds(probed.kind)
+    of = (frequency >= low) & (frequency <= high)
+    own = probed.thresholds(frequency[of])
+    return np.log(frequency[of]), np.log([own, amplitude[of]])
+
+
+def slope(probed: Probed, low: float, high: float) -> float:
+    """Logarithm, to 2, of the slope of the threshold curve over the recorded one in a range."""
+    at, thresholds = _thresholds(probed, low, high)
+    own, recorded = (np.polyfit(at, each, 1)[0] for each in thresholds)
+    return float(np.log2(own / recorded)) if own / recorded > 0 else np.nan
+
+
+def thresholds_off(probed: Probed, low: float, high: float) -> float:
+    """Largest factor of thresholds in a range off the recorded ones, up to a constant."""
+    apart = np.subtract(*_thresholds(probed, low, high)[1])
+    return float(np.exp(np.ptp(apart) / 2))
 
 
 FREQUENCIES = (1, 2, 5, 10, 20, 40, 60, 100, 150, 200, 250, 300, 400, 600, 800)
