@@ -242,7 +242,8 @@ TEXTS = (
     "Trust of recorded: timing and entrainment of FAI and FAII from 20 to 600 Hz, bursts at onset "
     "and release, SAI by curvature, force and distance, edges, and holds of pins. With care: "
     "absolute rates of SAI in a hold of a blunt object, which under a pin 2 mm wide are up to 1.5 "
-    "times those of the fastest model of TouchSim. Not: the jitter of impulses, set by hand.",
+    "times those of the fastest model of TouchSim. Not: a second impulse of FAI per cycle from 100 Hz "
+    "on, FAII in ramps, at slip and far from the object, and the jitter of impulses, set by hand.",
     "Spheres are held with a force, and the strain under a force depends on the modulus: on "
     "maeno1998, three times as stiff at small forces as the four measured fingers, SAI units came "
     "out four times as sensitive as those of the models behind the bands of pins. On the tissue "
@@ -271,7 +272,7 @@ TEXTS = (
     "1.5 mm around an end organ: 14, 16 and 19 % RMS, 38, 58 and 52 Hz under that pin, a trough of "
     "0.43, 0.57 and 0.82. Linear tissue a fifth as stiff: strains above 1 under spheres.",
     "Here end organs are 0.45 mm deep, where fit, bar and pin agree best; its edges and that pin "
-    "helped to choose among these depths. FAI and FAII weigh a retreat by at least 0.4 and 0.5 of "
+    "helped to choose among these depths. FAI and FAII weigh a retreat by at least 0.6 and 0.5 of "
     "an advance, so that they fire at slow releases too. It weighs the saturated current: "
     "strong vibrations keep FAII firing (600 Hz, 0.5 mm). Noise fades with the current of the "
     "generator: FA are silent in slow presses, however long. Of the current of SAI a third "
