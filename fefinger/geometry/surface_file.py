@@ -3,7 +3,7 @@
 The file is in mm, with any axes and wherever its origin.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ import numpy as np
 
 from fefinger.geometry.crossings import crossings
 from fefinger.geometry.scan_axes import Axes, fingertip_axes
+from fefinger.geometry.scan_fit import SmoothSkin, smooth_skin
 from fefinger.geometry.surface_repair import close, read_welded
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
@@ -32,6 +33,9 @@ LENGTH, WIDE = 24.0, 1.7
 """Length in mm from the tip that is meshed and that width and thickness are measured on, and its
 least part of the width, for wide fingers."""
 
+SAMPLING, BEYOND = 0.35, 1.0
+"""Distance in mm between points of a smooth surface, and length that it has behind the one used."""
+
 WHOLE = 1.05
 """Distance from the tip, over the width, up to which the skin has to be whole."""
 
@@ -41,6 +45,14 @@ share of the surface that is none of it."""
 
 TOLD = 0.5
 """Turn in degrees from the axes of the file from which on a note states it."""
+
+FOUND, FILE = "shape", "file"
+"""Where the axes of a finger come from."""
+
+ASKEW = 45.0
+"""Largest angle in degrees of the axes of a file from those of its shape."""
+
+LOOK = "look at it with `fefinger mesh --picture`."
 
 FLAT, FACING = 0.15, 5.0
 """Largest share of the skin that faces one way, within so many degrees.
@@ -69,7 +81,8 @@ class SurfaceFile:
     mesh : the surface (trimesh).
     place : (4, 4) transform to these axes from those of the file.
     start : x in mm from which on the skin is whole, distal of the proximal end.
-    width, thickness : in mm.
+    skin : the smooth surface near that skin.
+    width, thickness : of the smooth surface, in mm.
     notes : on axes, size and repairs.
 
     """
@@ -77,30 +90,35 @@ class SurfaceFile:
     mesh: "Trimesh"
     place: Array
     start: float
+    skin: SmoothSkin
     width: float
     thickness: float
     notes: tuple[str, ...]
 
 
-def read_surface(path: str | Path, field: str = "surface") -> SurfaceFile:
+def read_surface(path: str | Path, field: str = "surface", axes: str = FOUND) -> SurfaceFile:
     """Read and check the closed surface of a finger from an STL, OBJ, PLY or VTK file.
 
+    axes: "shape" finds them from the shape, "file" keeps those of the file.
     Raises InputError if the file is missing, empty or no surface; the surface is open, intersects
     itself, has a flat side, is no fingertip or is not in mm.
     """
     check_input(field, path, "a surface file")
     state = Path(path).stat()
-    return _read(path, field, (state.st_mtime_ns, state.st_size))
+    return _read(path, field, axes, (state.st_mtime_ns, state.st_size))
 
 
 @lru_cache(maxsize=4)
-def _read(path: str | Path, field: str, _state: tuple[int, int]) -> SurfaceFile:
+def _read(path: str | Path, field: str, kept: str, _state: tuple[int, int]) -> SurfaceFile:
     """Read a file as it is in a state; a scene and its mesh ask for the same one."""
     mesh, welds = read_welded(path, field)
     file = Path(path)
     name = f"{field}: {file.name}"
     axes = fingertip_axes(mesh)
     size = _check_likeness(mesh, axes, name)
+    said = _axes_note(axes)
+    if kept == FILE:
+        axes, said = _of_file(axes, name)
     mesh.apply_transform(axes.place)
     tip = float(mesh.bounds[1, 0])
     problem = f"{field}: expected a closed surface, {file.name}"
@@ -114,14 +132,29 @@ def _read(path: str | Path, field: str, _state: tuple[int, int]) -> SurfaceFile:
         )
     if start == mesh.bounds[0, 0]:
         start = _end_face(mesh, tip - WHOLE * axes.width)
-    seen = mesh.vertices[mesh.vertices[:, 0] > tip - used_length(axes.width)]
-    width, thickness = (float(np.ptp(seen[:, k])) for k in (1, 2))
+    begin = max(start, tip - used_length(axes.width))
+    skin = _smooth(mesh, max(start, begin - BEYOND), axes)
+    seen, _ = skin.sampled(SAMPLING)
+    width, thickness = (float(np.ptp(seen[seen[:, 0] > begin, k])) for k in (1, 2))
     _check_round(mesh, name, start, tip - used_length(width))
     stated = (
         f"Surface {file.name}: {len(mesh.faces)} triangles in a box of {size} mm, taken as mm; "
-        f"{width:.3g} mm wide and {thickness:.3g} mm thick. {_axes_note(axes)}"
+        f"{width:.3g} mm wide and {thickness:.3g} mm thick. {said}"
     )
-    return SurfaceFile(mesh, axes.place, start, width, thickness, (stated, *welds, *repairs))
+    notes = (stated, *welds, *repairs)
+    return SurfaceFile(mesh, axes.place, start, skin, width, thickness, notes)
+
+
+def _smooth(mesh: "Trimesh", begin: float, axes: Axes) -> SmoothSkin:
+    """Return the smooth surface of the skin from x = begin mm on, seen from a width off the tip.
+
+    From nearer the tip, fits to noise bend more there.
+    """
+    skin = mesh.vertices[mesh.vertices[:, 0] > begin]
+    low, high = skin.min(axis=0), skin.max(axis=0)
+    center = np.array([high[0] - axes.width, 0.0, (low[2] + high[2]) / 2.0])
+    size = np.array([2.0 * axes.width, axes.width, axes.thickness]) / 2.0
+    return smooth_skin(mesh, begin, center, size)
 
 
 def used_length(width: float) -> float:
@@ -150,11 +183,27 @@ def _check_likeness(mesh: "Trimesh", axes: Axes, name: str) -> str:
     )
 
 
+def _of_file(axes: Axes, name: str) -> tuple[Axes, str]:
+    """Return the axes of the file, with the origin of those found, and a note on both.
+
+    Raises InputError where x is not distal, or z not dorsal.
+    """
+    if axes.turn > ASKEW:
+        raise InputError(
+            f"{name} has its own axes {axes.turn:.0f} degrees off those of its shape; expected x "
+            "about distal, y to the radial side and z to the nail: turn the scan, or leave "
+            "finger.axes out, which finds them"
+        )
+    place = np.eye(4)
+    place[:3, 3] = axes.place[:3, :3].T @ axes.place[:3, 3]
+    note = f"Its axes are those of the file, {axes.turn:.1f} degrees off those of its shape; {LOOK}"
+    return replace(axes, place=place), note
+
+
 def _axes_note(axes: Axes) -> str:
     """Say how a surface was turned to the axes of a finger."""
-    look = "look at it with `fefinger mesh --picture`."
     if axes.turn < TOLD:
-        return f"Its axes are x distal, y radial and z dorsal, by its shape; {look}"
+        return f"Its axes are x distal, y radial and z dorsal, by its shape; {LOOK}"
     x, y, z = axes.place[:3, :3]
     named = ", ".join(
         f"{what} ({', '.join(f'{value:.2f}' for value in axis + 0.0)})"
@@ -162,7 +211,7 @@ def _axes_note(axes: Axes) -> str:
     )
     return (
         f"It was turned by {axes.turn:.0f} degrees, so that its sides are symmetric and its back "
-        f"is level: in the file {named}; {look}"
+        f"is level: in the file {named}; {LOOK}"
     )
 
 

@@ -22,11 +22,12 @@ FORMAT = 2
 """Version of the builder in the cache key; increased when a recipe gives another mesh. Version 2
 morphs shipped meshes."""
 
-SURFACE_FORMAT = 6
+SURFACE_FORMAT = 7
 """The same for fingers from a surface file; version 3 morphs too, and averages their two halves;
 version 4 has the nail above the tip, not above half of the thickness; version 5 has curved skin in
 holes;
-version 6 finds the axes of the scan and morphs the finest mesh."""
+version 6 finds the axes of the scan and morphs the finest mesh; version 7 has a skin as smooth as
+the noise of the scan asks."""
 
 
 Touch = float | tuple[float, float] | None
@@ -39,7 +40,8 @@ class Recipe:
 
     `surface` is a file with the outer skin surface (STL, PLY, OBJ, ...) in mm; it replaces the
     parametric shape, whose width, thickness and pad radius then only scale the inside;
-    `bone_surface` is one with the bone, in the same place. `tip_tissue` is the soft tissue ahead of
+    `axes` says where its axes come from, as in `read_surface`. `bone_surface` is one with the bone,
+    in the same place. `tip_tissue` is the soft tissue ahead of
     a parametric bone, along x from its end to the tip, and `tip_radius` the radius of the palmar
     profile at the tip; None leaves both to the shape.
     `touch` is the center of the fine facets: the angle in degrees of a plate, for its first touch,
@@ -57,6 +59,7 @@ class Recipe:
     bone_surface: str | None = None
     tip_tissue: float | None = None
     tip_radius: float | None = None
+    axes: str | None = None
 
     def __post_init__(self) -> None:
         for name, above, at_most in (
@@ -86,12 +89,13 @@ class Recipe:
             tip_tissue=finger.tip_tissue,
             tip_radius=finger.tip_radius,
             touch=touch,
+            axes=None if finger.surface is None else finger.axes,
         )
 
     def to_dict(self) -> dict[str, object]:
         """Return the recipe as plain values, without the optional ones that are None."""
         values = asdict(self)
-        for name in ("touch", "bone_surface", "tip_tissue", "tip_radius"):
+        for name in ("touch", "bone_surface", "tip_tissue", "tip_radius", "axes"):
             if values[name] is None:
                 del values[name]
         if isinstance(self.touch, tuple):

@@ -64,16 +64,19 @@ def mesh_problem(
 ) -> str:
     """Reason why a finger cannot be meshed, as a sentence; empty if none is known.
 
-    The parametric shape is built, which takes some 50 ms, but not meshed. A place `at` (x, y) mm
-    off the pad is a reason too.
+    The shape is built, in some 50 ms (of a scan in a second), but not meshed. A place `at` (x, y)
+    mm off the pad is a reason too.
     """
     from fefinger.mesh.finger_shape import touch_point
 
     try:
-        if finger.surface is not None or (at is None and available(finger, touch)):
+        if at is None and available(finger, touch):
             return ""
         # Every mechanics asks on every mesh, and the shape is the same on all of them.
-        shape = _shape(replace(Recipe.of(finger, touch), resolution="standard"))
+        recipe = replace(Recipe.of(finger, touch), resolution="standard")
+        shape = _shape(recipe, recipe.key())
+        if isinstance(shape, str):
+            return shape
         if at is not None:
             touch_point(shape, at)
     except InputError as error:
@@ -82,10 +85,14 @@ def mesh_problem(
 
 
 @lru_cache(maxsize=4)
-def _shape(recipe: Recipe) -> "Shape":
-    from fefinger.mesh.parametric import parametric
+def _shape(recipe: Recipe, _key: str) -> "Shape | str":
+    """Return the shape of a recipe whose files have a hash, or the reason why it has none."""
+    from fefinger.mesh.scan import shape_of
 
-    return parametric(recipe)
+    try:
+        return shape_of(recipe)
+    except InputError as error:
+        return str(error)
 
 
 def sha256(finger: "Finger", touch: Touch = None, *, with_continuation: bool = False) -> str | None:

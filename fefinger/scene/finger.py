@@ -55,9 +55,12 @@ class Finger:
     subject_name
         Subject of Pawluk (1997): sizes, and the tissue fitted to its measured curves; or None.
     surface
-        File with the outer skin of the distal phalanx in mm (STL, OBJ, PLY, VTK; x distal, z
-        dorsal), or None for the parametric shape. Width and thickness then scale the bone inside;
+        File with the outer skin of the distal phalanx in mm (STL, OBJ, PLY, VTK), or None for the
+        parametric shape. Width and thickness then scale the bone inside;
         `from_surface` takes them from the file.
+    axes
+        Of a surface: "shape" finds its axes from its shape and turns it, "file" keeps those of the
+        file, x distal, y radial and z dorsal.
     bone_surface
         File with the surface of the bone, placed as in `surface`, or None for a parametric bone.
     tip_tissue
@@ -125,6 +128,7 @@ class Finger:
     cut: Annotated[str, Key(words=("fixed", "nail"))] = "fixed"
     resolution: Annotated[str, Key(words=(AUTO, *RESOLUTIONS))] = AUTO
     ridges: Ridges | None = None
+    axes: Annotated[str, Key(words=("shape", "file"), written=False)] = "shape"
 
     def __post_init__(self) -> None:
         """Fill in defaults of the library, then check every field."""
@@ -151,6 +155,9 @@ class Finger:
         check(self)
         if self.bone_surface is not None and self.surface is None:
             msg = "finger.bone_surface: expected finger.surface beside it, received none"
+            raise InputError(msg)
+        if self.axes != "shape" and self.surface is None:
+            msg = f"finger.axes: expected finger.surface beside {self.axes!r}, received none"
             raise InputError(msg)
         self._check_tip()
         self._check_layers()
@@ -233,7 +240,9 @@ class Finger:
         """
         from fefinger.geometry.surface_file import read_surface
 
-        outline = read_surface(file, field="finger.surface")
+        axes = overrides.get("axes", "shape")
+        choice("finger.axes", axes, ("shape", "file"))
+        outline = read_surface(file, field="finger.surface", axes=axes)
         size = {"width": outline.width, "thickness": outline.thickness}
         return cls(**(size | overrides | {"surface": str(file)}))
 

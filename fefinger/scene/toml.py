@@ -211,7 +211,7 @@ def _finger(table: dict[str, Any], folder: Path | None) -> Finger:
         if finger.surface is not None:  # a bad one is refused here, not when the mesh is made
             from fefinger.geometry.surface_file import read_surface
 
-            read_surface(finger.surface, field="finger.surface")
+            read_surface(finger.surface, field="finger.surface", axes=finger.axes)
         return finger
     surface = table.pop("surface", None)
     if surface is not None:

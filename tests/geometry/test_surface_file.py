@@ -1,6 +1,7 @@
 """Surface files of a finger: every format, repaired where that is safe, refused with what to do."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -198,6 +199,26 @@ def test_the_axes_are_found_however_a_scan_lies(tmp_path: Path, turn: tuple[floa
     assert angle < 0.7
     assert (found.width, found.thickness) == pytest.approx((14.0, 10.0), rel=0.01)
     assert "It was turned by" in found.notes[0]
+
+
+def test_the_axes_of_a_file_are_kept_where_asked(tmp_path: Path) -> None:
+    """Tilted by 5 degrees it stays so, with a note; on its side it is refused."""
+    mesh = egg()
+    mesh.apply_transform(trimesh.transformations.euler_matrix(0.0, np.radians(5.0), 0.0))
+    path = written(mesh, tmp_path / "scan.ply")
+    finger = ff.Finger.from_surface(path, axes="file", tissue="maeno1998")
+    found = read_surface(str(path), "finger.surface", axes="file")
+    assert found.place[:3, :3] == pytest.approx(np.eye(3))
+    assert found.mesh.bounds[1, 0] == pytest.approx(0.0, abs=0.5)  # its tip
+    assert "those of the file" in found.notes[0]
+    scene = ff.Scene(finger=finger, indenter=ff.Flat(30), motion=ff.Ramp(speed=1, depth=1))
+    assert ff.Scene.from_toml(scene.to_toml()).finger.axes == "file"
+    assert Recipe.of(finger).key() != Recipe.of(replace(finger, axes="shape")).key()
+    mesh.apply_transform(trimesh.transformations.euler_matrix(np.pi / 2, 0.0, 0.0))
+    with refused("finger.surface"):
+        ff.Finger.from_surface(written(mesh, tmp_path / "side.ply"), axes="file")
+    with refused("finger.axes"):
+        ff.Finger(14, 10, axes="file")
 
 
 def stl(tmp_path: Path) -> bytes:

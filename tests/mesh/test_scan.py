@@ -1,5 +1,6 @@
 """A finger from a surface file: the parametric one, written as STL, comes back."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shell import Shell
+from fefinger.mesh.store import mesh_problem
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 
@@ -156,15 +158,13 @@ def test_a_scan_whose_back_is_not_level_has_room_for_a_bone(
     assert found.volumes["bone"] == pytest.approx(scan.volumes["bone"], rel=0.1)
 
 
-def test_a_scan_of_large_triangles_says_what_they_cost(
+def test_a_scan_with_noise_says_what_it_leaves_uncertain(
     scan: Shape, stl: Path, tmp_path: Path
 ) -> None:
-    pv = pytest.importorskip("pyvista")
-    whole = pv.read(stl)
-    whole.decimate(1 - 500 / whole.n_cells).save(tmp_path / "few.stl")
-    few = scanned(Recipe(14, 10, 14, surface=str(tmp_path / "few.stl")))
-    assert any("have edges of some 2" in note for note in few.notes)
-    assert not any("have edges of some" in note for note in scan.notes)
+    noisy = scanned(Recipe(14, 10, 14, surface=str(rippled(stl, tmp_path / "n.stl", 0.1, 0.0))))
+    assert any("The noise of the scan, 0.1" in note for note in noisy.notes)
+    assert not any("The noise of the scan" in note for note in scan.notes)
+    assert noisy.volumes["skin"] == pytest.approx(scan.volumes["skin"], rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -174,7 +174,7 @@ def test_a_scan_of_large_triangles_says_what_they_cost(
         ("ball", r"^finger.surface: bad.stl, in a box of .* is not shaped as a fingertip"),
     ],
 )
-def test_unusable_surfaces_get_a_sentence(
+def test_unusable_surfaces_get_a_sentence_also_in_a_plan(
     stl: Path, tmp_path: Path, fault: str, message: str
 ) -> None:
     mesh = trimesh.load_mesh(stl)
@@ -185,6 +185,8 @@ def test_unusable_surfaces_get_a_sentence(
     mesh.export(tmp_path / "bad.stl")
     with pytest.raises(InputError, match=message):
         scanned(Recipe(14, 10, 14, surface=str(tmp_path / "bad.stl")))
+    finger = Finger(14, 10, surface=str(tmp_path / "bad.stl"), tissue="maeno1998")
+    assert re.search(message, mesh_problem(finger))
 
 
 def capsule(length: float, tip: float) -> Any:
