@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import Sinusoid as Sinusoid
     from fefinger.scene.motions import Trapezoid as Trapezoid
     from fefinger.scene.motions import Vibration as Vibration
+    from fefinger.scene.population import Fingertip as Fingertip
     from fefinger.scene.population import Grid as Grid
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
@@ -115,7 +116,7 @@ _HOMES = {
     "scene.key": ("Key",),
     "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Pin", "Sphere"),
     "scene.textured": ("Dots", "Grating", "Relief"),
-    "scene.population": ("Grid", "Line", "Places", "Scatter"),
+    "scene.population": ("Fingertip", "Grid", "Line", "Places", "Scatter"),
     "scene.motions": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration"),
         "FrequencySweep",

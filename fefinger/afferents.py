@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fefinger.mechanics.evidence import costs
+from fefinger.mechanics.evidence.unit_counts import units_of
 from fefinger.scene.innervation import innervation
-from fefinger.scene.population import Grid, Layout
+from fefinger.scene.population import Disc, Grid, Layout
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
@@ -33,22 +34,82 @@ if TYPE_CHECKING:
     from fefinger.scene.scene import Scene
 
 
+KEPT = (
+    "Strain is kept at one end organ of each unit, the most compressed, of {}; ask.strain = true "
+    "keeps all."
+)
+"""Note on the strain of a population whose units have several end organs."""
+
+ORGANS = "end_organs"
+"""Number in a response: of the end organs of a population, of which strain is kept at fewer."""
+
+UNCHECKED = "Spike counts are not compared on a coarser mesh (ask.check = false)."
+"""Note on spikes of a scene that leaves the comparison out."""
+
 SILENT = "ask.trial: the units have no noise, so that every trial is the same."
 """Note on another trial of units without noise."""
 
 
-def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any) -> "SpikeTrains":
+def of_units(response: "Response") -> "Response":
+    """Return a response with the strain of one end organ of each unit: the most compressed."""
+    sites, strain = response.sites, response.strain
+    if sites is None or sites.unit is None or strain is None or response.harmonic is not None:
+        return response
+    units, first = np.unique(sites.unit, return_index=True)
+    if len(units) == len(sites.unit):
+        return response
+    from fefinger.support.tensors import extremes  # compiled
+
+    order = np.lexsort((extremes(strain)[0].min(axis=0), sites.unit))
+    kept = order[first]
+    chosen = replace(
+        sites,
+        points=sites.points[kept],
+        normals=sites.normals[kept],
+        depths=sites.depths[kept],
+        types=tuple(sites.types[i] for i in kept),
+        unit=units,
+        number=None if sites.number is None else sites.number[kept],
+    )
+    return replace(
+        response,
+        sites=chosen,
+        strain=strain[:, kept],
+        notes=(*response.notes, KEPT.format(len(order))),
+        numbers={**response.numbers, ORGANS: float(len(order))},
+    )
+
+
+def reduced(response: "Response") -> bool:
+    """Return whether strain is kept at fewer end organs than units have (`of_units`)."""
+    return ORGANS in response.numbers
+
+
+def fire(
+    ask: "Ask",
+    response: "Response",
+    *,
+    since: float = 0.0,
+    again: "SpikeTrains | None" = None,
+    **options: Any,
+) -> "SpikeTrains":
     """Simulate the spikes of the population that `ask` describes, or of one unit of each type.
 
-    Spikes before `since` s do not count. Further options as of `fire` of the family that
+    Spikes before `since` s do not count. `again`: trains of the same units, whose input fires them
+    once more, instead of the strain. Further options as of `fire` of the family that
     `ask.afferents` names.
 
     Raises InputError for a response without strain, or without the end organs of the population.
     """
     from fefinger.neural.variation import Variation
 
-    strain, sites, reference = _strain_at_sites(ask, response)
     family, options["since"] = AFFERENTS[ask.afferents], since
+    if again is None:
+        strain, sites, reference = _strain_at_sites(ask, response)
+        x_in = family.x_in(strain, sites.normals, sites.types, reference, ask.drives)
+    else:
+        assert response.sites is not None  # its spikes were fired under them
+        sites, x_in = response.sites, again.x_in
     units: dict[str, Any] = {
         "types": sites.types,
         "positions": sites.points,
@@ -59,9 +120,10 @@ def fire(ask: "Ask", response: "Response", *, since: float = 0.0, **options: Any
         units, notes = _population(ask, ask.population, sites)
     elif family.noisy:
         units["variation"] = Variation(seed=0, noise=None, trial=ask.trial)
+    if again is not None:
+        units |= {"unit": None, "positions": again.positions}
     if "generator" in family.choices:
         units["generator"] = ask.generator
-    x_in = family.x_in(strain, sites.normals, sites.types, reference, ask.drives)
     rule = None if ask.population is None else ask.population.rule
     units |= {"rule": rule or family.rules[0]} | options
     trains = family.fire(response.time, x_in, **units)
@@ -85,6 +147,9 @@ def mesh_check(
     finger = mechanics.coarser(scene) if scene.ask.spikes else None
     if finger is None:
         yield lambda spikes: spikes
+        return
+    if not scene.ask.check:
+        yield lambda spikes: replace(spikes, notes=(*spikes.notes, UNCHECKED))
         return
     lean = replace(scene, finger=finger, ask=replace(scene.ask, fields=False, pressure=False))
     case, mesh = (mechanics.name, lean), f"the mesh is {finger.mesh}"
@@ -145,7 +210,7 @@ def _population(
     first = np.searchsorted(sites.unit, np.arange(len(count)))
     types = tuple(sites.types[i] for i in first)
     numbers = numbered(types) if sites.number is None else sites.number[first]
-    names, notes = _grid_names(layout, ask.spikes, types, numbers)
+    names, notes = _names(layout, ask.spikes, types, numbers)
     variation = Variation(
         seed=layout.seed,
         spread=layout.spread,
@@ -166,28 +231,31 @@ def _population(
     return units, notes
 
 
-def _grid_names(
+def _names(
     layout: Layout, kinds: Sequence[str], types: tuple[str, ...], numbers: Integers
 ) -> tuple[tuple[str, ...] | None, tuple[str, ...]]:
-    """Return names of the units of a grid, None for default names, and notes on lost places.
+    """Return names of units, None for default names, and a note on those beside the skin.
 
-    Names count the places of the whole grid, so that a name is the same unit on every mesh.
+    Names count the requested units of a type, so that a name is the same unit on every mesh.
     """
-    if not isinstance(layout, Grid):
-        return None, ()
     from fefinger.neural.populations import squares
 
+    if isinstance(layout, Grid):
+        total = len(squares(layout.spacing, layout.radius)) * len(kinds)
+    elif isinstance(layout, Disc):
+        total = sum(map(round, units_of(layout, kinds).values()))
+    else:
+        return None, ()
     codes = [TYPES.index(kind) for kind in types]
     # Results saved before units were numbered by type hold places among all units of the scene.
     by_type = np.array_equal(numbers % len(TYPES), codes)
     places = numbers // (len(TYPES) if by_type else len(kinds))
     names = tuple(f"{kind}-{place + 1}" for kind, place in zip(types, places, strict=True))
-    total, on_skin = len(squares(layout.spacing, layout.radius)), len(np.unique(places))
-    if on_skin == total:
-        return names, ()
+    if total == len(types):
+        return (names if isinstance(layout, Grid) else None), ()
     note = (
-        f"ask.population: {total - on_skin} of the {total} places of the grid lie beside the skin "
-        "of the pad and have no units."
+        f"ask.population: {total - len(types)} of the {total} units would lie beside the skin of "
+        "the pad, and are left out."
     )
     return names, (note,)
 

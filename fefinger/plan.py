@@ -247,7 +247,7 @@ def _rung(
 
 def _check_seconds(mechanics: Mechanics, case: Situation) -> float:
     """Return the expected CPU time in s of the check of spike counts on the coarser mesh."""
-    if not case.ask.spikes:
+    if not (case.ask.spikes and case.ask.check):
         return 0.0
     scene = Scene(finger=case.finger, indenter=case.indenter, motion=case.motion, ask=case.ask)
     finger = mechanics.coarser(scene)

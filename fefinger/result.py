@@ -17,6 +17,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from fefinger.afferents import of_units, reduced
 from fefinger.results.key_numbers import rows
 from fefinger.results.plan_text import left_out
 from fefinger.results.result_record import ResultRecord
@@ -27,6 +28,7 @@ from fefinger.support.compiled import notice
 from fefinger.support.interrupt import shielded
 from fefinger.support.outputs import keep, output_folder
 from fefinger.support.provenance import software
+from fefinger.support.registry import AFFERENTS
 from fefinger.support.text import table
 
 
@@ -75,7 +77,8 @@ class Result(ResultRecord):
 
         `seconds`: of the stages after the mechanics. Notes are added on parts of the
         finger that belong to another one, on motions that are too fast for statics, and on compiled
-        code that cannot be kept. Strain that was computed for the spikes alone is left out.
+        code that cannot be kept. Strain that was computed for the spikes alone is left out; where
+        the scene leaves `ask.strain` open, it is kept at one end organ of each unit.
         """
         notes = origin_notes(scene.finger) + other_size(scene.finger)
         notes += warnings(scene.motion) + samples(scene.motion)
@@ -85,14 +88,17 @@ class Result(ResultRecord):
             notes += quasistatic(scene, response.time, response.depth)
         notes += left_out(scene.ask, plan.mechanics) + ((notice(),) if notice() else ())
         notes += tuple(BEYOND.format(each.mechanics, each.reason) for each in plan.tried)
-        strain = response.strain if scene.ask.wants("strain") else None
+        if not scene.ask.wants("strain"):
+            response = replace(response, strain=None)
+        elif scene.ask.strain is None:
+            response = of_units(response)
         scene_hash = hashlib.sha256(scene.to_toml().encode()).hexdigest()
         apart = () if response.inertia else unmodeled(scene)
         fired = f" Spikes: {spikes.summary(apart)}." if spikes is not None else ""
         return cls(
             scene=scene,
             plan=plan,
-            response=replace(response, strain=strain, notes=response.notes + notes),
+            response=replace(response, notes=response.notes + notes),
             spikes=spikes,
             status=f"{response.status}{fired}",
             seconds={**response.seconds, **(seconds or {})},
@@ -118,13 +124,16 @@ class Result(ResultRecord):
         """
         from fefinger.afferents import fire
 
-        if not self.scene.ask.spikes:
+        if not self.scene.ask.spikes or self.spikes is None:
             raise InputError("ask.spikes: expected the types of units to fire, received none")
-        if not self.scene.ask.wants("strain"):
+        again = None
+        if AFFERENTS[self.scene.ask.afferents].by_input:
+            again = self.spikes
+        elif not self.scene.ask.wants("strain") or reduced(self.response):
             msg = "ask.strain: expected true for further trials, which are fired from the strain"
             raise InputError(f"{msg}; run the scene again")
         ask, since = replace(self.scene.ask, trial=trial), self.scene.motion.recorded_from
-        return fire(ask, self.response, since=since, check=False)
+        return fire(ask, self.response, since=since, again=again, check=False)
 
     def to_xarray(self) -> "xr.Dataset":
         """Return all that `result.nc` holds as a Dataset with units."""

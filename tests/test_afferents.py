@@ -13,6 +13,7 @@ from fefinger.afferents import fire
 from fefinger.mechanics import get
 from fefinger.mechanics.press.sites import meshed, spherical
 from fefinger.mechanics.press.unit_placement import of_population, place_units
+from fefinger.neural.populations import BESIDE
 from fefinger.pages import report
 from fefinger.scene import builtin
 from fefinger.scene.indenter import direction
@@ -114,8 +115,52 @@ def test_places_of_a_grid_beside_the_skin_are_noted():
     fewer = fire(asked_grid.ask, replace(response, sites=kept, strain=response.strain[:, ~lost]))
     assert fewer.names == whole.names[2:]
     assert not any("beside the skin" in note for note in whole.notes)
-    said = "ask.population: 1 of the 13 places of the grid lie beside the skin of the pad and have"
-    assert fewer.notes[0] == f"{said} no units."
+    assert fewer.notes[0].startswith("ask.population: 2 of the 26 units would lie beside the skin")
+
+
+def test_units_of_a_fingertip_beside_the_skin_are_left_out_and_counted():
+    """Of a disc as wide as any pad; the others are those of a skin that has room for all."""
+    narrow, types = spherical(8.0, AXIS), ("SAI", "FAII")
+    whole, part = (
+        place_units(asked(ff.Fingertip(branched=False), types), skin, AXIS)
+        for skin in (SKIN, narrow)
+    )
+    drawn = [round(np.pi * innervation()[kind].density) for kind in types]
+    assert [whole.types.count(kind) for kind in types] == drawn
+    assert 0 < len(part.types) < len(whole.types)
+    over = np.linalg.norm(np.cross(whole.skin, AXIS), axis=1)
+    kept = np.isin(whole.numbers, part.numbers)
+    assert over[kept].max() < over[~kept].min() + BESIDE
+    ask = asked(ff.Fingertip(branched=False), types)
+    numbers = of_population(part).number
+    names, (note,) = afferents._names(ask.population, types, part.types, numbers)
+    assert f"{sum(drawn) - len(part.types)} of the {sum(drawn)} units" in note
+    assert names[0] == f"SAI-{np.flatnonzero(kept)[0] + 1}"
+    nowhere = ff.Fingertip(densities={"SAI": 0.4}, seed=3)
+    with refused("ask.population.radius"):
+        place_units(asked(nowhere, ("SAI",)), spherical(1.5, AXIS), AXIS)
+
+
+def test_of_branched_units_strain_is_kept_at_the_most_compressed_end_organ():
+    few = ff.Scatter(radius=1.0, densities={"SAI": 100.0}, seed=1)
+    one = scene(few, spikes=("SAI",), afferents="recorded")
+    whole = replace(one, ask=replace(one.ask, strain=True))
+    kept, full = (ff.run(each, mechanics="hertz") for each in (one, whole))
+    assert kept.strain.shape[1] == len(kept.spikes) < full.strain.shape[1]
+    least = np.linalg.eigvalsh(full.strain)[..., 0].min(axis=0)
+    for unit in range(len(kept.spikes)):
+        of_unit = np.flatnonzero(full.sites.unit == unit)
+        site = of_unit[np.argmin(least[of_unit])]
+        assert kept.sites.points[unit] == pytest.approx(full.sites.points[site])
+        assert kept.strain[:, unit] == pytest.approx(full.strain[:, site])
+    assert any("one end organ of each unit" in note for note in kept.notes)
+    again, other = kept.fire(trial=2), full.fire(trial=2)
+    assert again.times[0] == pytest.approx(other.times[0])
+    assert kept.fire().times[0] == pytest.approx(kept.spikes.times[0])
+    assert again.count().tolist() != kept.fire().count().tolist()
+    of_thesis = replace(one, ask=replace(one.ask, afferents="thesis"))
+    with refused("ask.strain"):
+        ff.run(of_thesis, mechanics="hertz").fire(trial=2)
 
 
 def test_the_skin_of_half_a_mesh_is_that_of_the_whole():
@@ -240,8 +285,6 @@ def test_places_off_the_finger_and_a_population_without_types_get_a_sentence():
         get("linear").respond(far)
     with pytest.raises(InputError, match=r"expected ask\.spikes to name the types"):
         ff.Ask(population=LINE)
-    with pytest.raises(InputError, match=r"population\.radius: \d+ of \d+ units within 9 mm lie"):
-        get("linear").respond(scene(ff.Scatter(radius=9.0)))
     with pytest.raises(InputError, match="leaves no unit"):
         get("hertz").respond(scene(ff.Scatter(radius=0.1)))
 
@@ -249,6 +292,7 @@ def test_places_off_the_finger_and_a_population_without_types_get_a_sentence():
 def test_scenes_with_populations_go_to_toml_and_back():
     for layout in (
         ff.Scatter(radius=3, densities={"SAI": 50}, spread=0.2, seed=4),
+        ff.Fingertip(densities={"FAI": 50}),
         ff.Grid(spacing=0.5),
         LINE,
         ff.Places(places=((0, 1), (1, 1))),

@@ -18,6 +18,9 @@ from fefinger.support.vocabulary import DRIVES, TYPES
 POISSON = 0.48
 """Poisson's ratio in the energy drive: subcutaneous tissue in the published sets."""
 
+BLOCK = 256
+"""End organs whose drive is computed together, so that a population needs little memory."""
+
 SMALLEST_DRIVE = 0.02
 """Smallest reference drive over the norm of the reference strain; below, the length is noise."""
 
@@ -29,12 +32,16 @@ def compressive(strain: Array, normals: Array) -> Array:
     J Neurophysiol 46:1192 (as cited in thesis 4.1). Default of FAII: the corpuscle is compressed
     between indenter and bone (thesis 4.2.1), and its lamellae have no preferred tangent direction.
     """
-    return np.maximum(0.0, -np.linalg.eigvalsh(strain)[..., 0])
+    from fefinger.support.tensors import extremes  # compiled
+
+    return np.maximum(0.0, -extremes(strain)[0])
 
 
 def tensile(strain: Array, normals: Array) -> Array:
     """Return the largest principal strain (n_t, n_sites), negative where all are compressive."""
-    return np.asarray(np.linalg.eigvalsh(strain)[..., 2])
+    from fefinger.support.tensors import extremes  # compiled
+
+    return extremes(strain)[1]
 
 
 def tangent(strain: Array, normals: Array) -> Array:
@@ -98,7 +105,7 @@ def driven_displacements(
     `drives` and `lengths` (mm per unit of drive) by type. InputError for arrays that do not fit,
     or strain that is not finite.
     """
-    strain, normals = np.asarray(strain, float), np.asarray(normals, float)
+    strain, normals = np.asarray(strain), np.asarray(normals, float)
     n = len(types)
     if strain.ndim != 4 or strain.shape[1:] != (n, 3, 3) or normals.shape != (n, 3):
         raise InputError(
@@ -109,10 +116,10 @@ def driven_displacements(
         raise InputError("strain: expected finite values")
     x_in = np.empty(strain.shape[:2])
     for kind in dict.fromkeys(types):
-        of_kind = np.array([other == kind for other in types])
-        x_in[:, of_kind] = lengths[kind] * DRIVE_BY_NAME[drives[kind]](
-            strain[:, of_kind], normals[of_kind]
-        )
+        of_kind = np.flatnonzero([other == kind for other in types])
+        for some in np.split(of_kind, range(BLOCK, len(of_kind), BLOCK)):
+            drive = DRIVE_BY_NAME[drives[kind]](strain[:, some], normals[some])
+            x_in[:, some] = lengths[kind] * drive
     return x_in
 
 

@@ -55,6 +55,9 @@ class Family(ABC):
     noisy: ClassVar[bool] = True
     """Whether trials differ where a population does not say so."""
 
+    by_input: ClassVar[bool] = True
+    """Whether the spikes of a unit follow from one input, of all of its end organs combined."""
+
     membranes: ClassVar[bool] = False
     """Whether its spikes have a block and a count with frozen sodium, which a report then shows."""
 
@@ -284,6 +287,7 @@ class Thesis(OfPackage):
     choices = frozenset({"drives", "generator", "tolerance"})
     rules = RULES
     noisy = False
+    by_input = False  # the currents of the end organs are combined
     membranes = True
 
     @property

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +13,10 @@ from fefinger.neural.variation import numbered
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError, choice, integer, number
 from fefinger.support.vocabulary import TYPES
+
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 
 NEIGHBORS = 8
@@ -50,6 +56,12 @@ class Surface:
             msg = "surface: expected finite points, unit normals and areas of 0 or more, not all 0"
             raise InputError(msg)
 
+    @cached_property
+    def _tree(self) -> "cKDTree":
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.points)
+
     @property
     def spacing(self) -> float:
         """Mean distance of the points in mm: the square root of the mean area."""
@@ -63,22 +75,18 @@ class Surface:
         sphere, averaged over NEIGHBORS points with weights 1/distance⁴.
         """
         q = np.array(places, float)
-        on = np.zeros(len(q), bool)
-        normals = np.empty_like(q)
-        for i in range(len(q)):
-            for _ in range(4):
-                distance = np.linalg.norm(self.points - q[i], axis=1)
-                near = np.argpartition(distance, NEIGHBORS - 1)[:NEIGHBORS]
-                weight = 1.0 / (distance[near] + 1e-6 * self.spacing) ** 4
-                weight /= weight.sum()
-                normal = weight @ self.normals[near]
-                normal /= np.linalg.norm(normal)
-                both = self.normals[near] + normal
-                height = np.einsum("ij,ij->i", q[i] - self.points[near], both) / (both @ normal)
-                q[i] -= (weight @ height) * normal
-            normals[i] = normal
-            local = np.sqrt(self.areas[near].max())
-            on[i] = np.linalg.norm(self.points[near] - q[i], axis=1).min() <= local
+        for _ in range(4):
+            distance, near = self._tree.query(q, k=NEIGHBORS)
+            weight = 1.0 / (distance + 1e-6 * self.spacing) ** 4
+            weight /= weight.sum(axis=1, keepdims=True)
+            normals = np.einsum("ik,ikj->ij", weight, self.normals[near])
+            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+            both = self.normals[near] + normals[:, None]
+            height = np.einsum("ikj,ikj->ik", q[:, None] - self.points[near], both)
+            height /= np.einsum("ikj,ij->ik", both, normals)
+            q -= np.einsum("ik,ik->i", weight, height)[:, None] * normals
+        apart = np.linalg.norm(self.points[near] - q[:, None], axis=2).min(axis=1)
+        on = apart <= np.sqrt(self.areas[near].max(axis=1))
         return q, normals, on
 
 

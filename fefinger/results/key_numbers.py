@@ -143,7 +143,8 @@ def _beyond_small(result: ResultRecord) -> list[str]:
     """Return a sentence on strain at end organs that is not small where it counts as small."""
     if result.strain is None or result.response.finite:
         return []
-    largest = float(np.abs(np.linalg.eigvalsh(result.strain)).max())
+    low, high = result.principal
+    largest = float(max(-low.min(initial=0.0), high.max(initial=0.0)))
     if largest <= NOT_SMALL:
         return []
     finite = ", ".join(name for name, traits in MECHANICS.items() if traits.finite)
@@ -224,7 +225,7 @@ def _strain(result: ResultRecord, error: float) -> KeyNumber:
     assert result.strain is not None
     assert result.sites is not None
     types, depths = result.sites.types, result.sites.depths
-    by_site = -100 * np.linalg.eigvalsh(result.strain)[..., 0].min(axis=0)
+    by_site = -100 * result.principal[0].min(axis=0)
     largest = {
         kind: max(by_site[site] for site, each in enumerate(types) if each == kind)
         for kind in dict.fromkeys(types)

@@ -1,6 +1,7 @@
 """Records of a plan and of a result; `netcdf` saves and loads them."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from fefinger.results.records import Fields, Lateral, Pad, Refusal, Response, Ru
 from fefinger.scene.inertia import quasistatic, unmodeled, warnings
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
 
 
 if TYPE_CHECKING:
@@ -156,6 +158,15 @@ class ResultRecord:
         Small strain; logarithmic strain where `Response.finite`, as of `pressed` and `solid`.
         """
         return self.response.strain
+
+    @cached_property
+    def principal(self) -> tuple[Array, Array]:
+        """Smallest and largest principal strain at the sites, (n_t, n_sites) each."""
+        if self.strain is None:
+            raise InputError("ask.strain: expected true for principal strains, received false")
+        from fefinger.support.tensors import extremes  # compiled
+
+        return extremes(self.strain)
 
     @property
     def green_lagrange(self) -> Array | None:

@@ -35,10 +35,14 @@ class Ask:
         Afferent types out of SAI, SAII, FAI, FAII; one unit of each, under first touch, unless
         there is a population.
     population
-        Where units of these types lie, and how each is built: a Scatter, Grid, Line or Places.
+        Where units of these types lie, and how each is built: a Scatter, Fingertip, Grid, Line
+        or Places.
     trial
         Number of the trial, 0 or more: another one is other noise and jitter of the same units at
         the same places. `Result.fire` gives further trials of a result.
+    check
+        Whether the spike counts are compared on the next coarser mesh, where there is one; of a
+        large population that takes as long as the answer. Where they are not, a note says so.
     rel_error
         Allowed relative error of the force, above 0 to 1. It does not govern the other outputs:
         `Plan.trust` states the errors of pressure, contact area and strain.
@@ -79,6 +83,7 @@ class Ask:
     afferents: Annotated[str, Key(words=AFFERENTS)] = FAMILIES[0]
     population: Layout | None = None
     trial: Annotated[int, Key(at_least=0, written=False)] = 0
+    check: Annotated[bool, Key(written=False)] = True
 
     def __post_init__(self) -> None:
         check(self)

@@ -62,17 +62,43 @@ class Layout:
         check(self)
 
 
+Densities = Annotated[
+    Mapping[str, float],
+    Key("Units by type, where they differ from the published ones", "1/cm²", 0, at_most=1e4),
+]
+
+
 @dataclass(frozen=True, kw_only=True)
-class Scatter(Layout):
+class Disc(Layout):
+    """Units at random places of a disc of `radius` mm; those beside the skin are left out."""
+
+    radius: float
+    densities: Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scatter(Disc):
     """Units at random places within `radius` mm, at `densities` per cm² across first touch."""
 
     kind = "scatter"
 
     radius: Within = 5.0
-    densities: Annotated[
-        Mapping[str, float],
-        Key("Units by type, where they differ from the published ones", "1/cm²", 0, at_most=1e4),
-    ] = field(default_factory=dict, hash=False)
+    densities: Densities = field(default_factory=dict, hash=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fingertip(Disc):
+    """Units at random places of the whole pad, at `densities` per cm² across first touch.
+
+    By default those published: 241 per cm² of all types (Johansson & Vallbo 1979, J Physiol
+    286:283), SAI 70, FAI 140 and FAII 25 (Saal et al. 2017). Those of a disc as wide as any pad are
+    drawn, and the ones that lie beside the skin are left out, as a note counts.
+    """
+
+    kind = "fingertip"
+
+    radius: Within = LARGEST_RADIUS
+    densities: Densities = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,4 +151,6 @@ class Places(Layout):
             )
 
 
-LAYOUTS: dict[str, type[Layout]] = {cls.kind: cls for cls in (Scatter, Grid, Line, Places)}
+LAYOUTS: dict[str, type[Layout]] = {
+    cls.kind: cls for cls in (Scatter, Fingertip, Grid, Line, Places)
+}

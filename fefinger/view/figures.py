@@ -240,13 +240,13 @@ def site_strain(result: ResultRecord) -> "Figure":
     assert result.strain is not None
     assert result.sites is not None
     sites = result.sites
-    principal = 100 * np.linalg.eigvalsh(result.strain)
+    low, high = (100 * each for each in result.principal)
     shown: list[int] = list(range(len(sites.types)))
     if sites.unit is not None:
-        shown = strongest(principal[..., 0], sites.types)
+        shown = strongest(low, sites.types)
     labels = [f"{sites.types[i]}, {sites.depths[i]:g} mm" for i in shown]
     types = [sites.types[i] for i in shown]
-    compressive, tensile = np.maximum(0, -principal[..., 0]), np.maximum(0, principal[..., 2])
+    compressive, tensile = np.maximum(0, -low), np.maximum(0, high)
     rows = [
         Row("compressive strain / %", result.time, _curves(labels, types, compressive[:, shown])),
         Row("tensile strain / %", result.time, _curves(None, types, tensile[:, shown])),

@@ -1,10 +1,11 @@
 """Numbers of units and end organs that a scene asks for, which its cost grows with."""
 
 import math
+from collections.abc import Sequence
 
 from fefinger.scene.ask import Ask
 from fefinger.scene.innervation import innervation
-from fefinger.scene.population import Grid, Line, Places, Scatter
+from fefinger.scene.population import Disc, Grid, Layout, Line, Places
 
 
 ABREAST = 16
@@ -16,10 +17,14 @@ FINER = {"FAII": 2.0}
 
 def units(ask: Ask) -> dict[str, float]:
     """Return the number of units of each type that `ask` describes; some may lie beside the pad."""
-    layout = ask.population
-    if isinstance(layout, Scatter):
+    return units_of(ask.population, ask.spikes)
+
+
+def units_of(layout: Layout | None, types: Sequence[str]) -> dict[str, float]:
+    """Return the number of units of each of `types` in a layout, before rounding."""
+    if isinstance(layout, Disc):
         rows, area = innervation(), 0.01 * math.pi * layout.radius**2
-        return {kind: area * layout.densities.get(kind, rows[kind].density) for kind in ask.spikes}
+        return {kind: area * layout.densities.get(kind, rows[kind].density) for kind in types}
     each = 1.0
     if isinstance(layout, Grid):
         # Imported here, because costs are also read for scenes without spikes.
@@ -30,7 +35,7 @@ def units(ask: Ask) -> dict[str, float]:
         each = float(layout.count)
     elif isinstance(layout, Places):
         each = float(len(layout.places))
-    return dict.fromkeys(ask.spikes, each)
+    return dict.fromkeys(types, each)
 
 
 def organs(ask: Ask) -> float:

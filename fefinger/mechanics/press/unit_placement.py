@@ -11,7 +11,7 @@ from fefinger.neural.variation import numbered
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.innervation import innervation
-from fefinger.scene.population import Grid, Layout, Line, Places, Scatter
+from fefinger.scene.population import Disc, Grid, Layout, Line, Places
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
@@ -47,17 +47,19 @@ def _places(
     The number counts the type and the place among all requested ones of the type, wherever
     the skin ends.
     """
-    if isinstance(layout, Scatter):
+    if isinstance(layout, Disc):
         rows = innervation()
         wanted = {kind: layout.densities.get(kind, rows[kind].density) for kind in types}
         kinds, flat = populations.scatter(wanted, layout.radius, axis, seed=layout.seed)
         points, on = populations.settled(skin, flat, axis)
-        if not on.all():
+        if not on.any():
             raise InputError(
-                f"ask.population.radius: {np.count_nonzero(~on)} of {len(on)} units within "
-                f"{layout.radius:g} mm lie beside the skin of the pad; choose a smaller radius"
+                f"ask.population.radius: expected units over the skin of the pad, received "
+                f"{len(on)} within {layout.radius:g} mm, all beside it; choose a larger radius or "
+                "density"
             )
-        return kinds, points, numbered(kinds)
+        over = np.flatnonzero(on)
+        return tuple(kinds[i] for i in over), points[over], numbered(kinds)[over]
     if isinstance(layout, Grid):
         points, which = populations.grid(skin, layout.spacing, layout.radius)
         each = tuple(types) * len(points)
