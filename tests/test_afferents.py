@@ -157,7 +157,7 @@ def test_of_branched_units_strain_is_kept_at_the_most_compressed_end_organ():
     again, other = kept.fire(trial=2), full.fire(trial=2)
     assert again.times[0] == pytest.approx(other.times[0])
     assert kept.fire().times[0] == pytest.approx(kept.spikes.times[0])
-    assert again.count().tolist() != kept.fire().count().tolist()
+    assert abs(again.times[0][0] - kept.fire().times[0][0]) > 1e-5  # other noise
     of_thesis = replace(one, ask=replace(one.ask, afferents="thesis"))
     with refused("ask.strain"):
         ff.run(of_thesis, mechanics="hertz").fire(trial=2)

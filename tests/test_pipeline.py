@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import fefinger as ff
+from fefinger import afferents
 from fefinger.mechanics import hertz
 from fefinger.mechanics.evidence import costs
+from fefinger.neural.trains import Rerun, SpikeTrains
 from fefinger.support import processes
 from fefinger.support.checks import ConvergenceError, Stopped
 
@@ -133,3 +135,38 @@ def test_a_scene_is_run_and_explained_with_changes(given):
 def test_a_class_in_place_of_an_object_gets_a_sentence():
     with pytest.raises(ff.InputError, match="expected an Indenter, received the class Sphere"):
         replace(SCENE, indenter=ff.Sphere)
+
+
+def fired(count):
+    """Return the trains of one FAI unit that fires `count` times."""
+    flat, zero = np.zeros((2, 1)), np.zeros(1)
+    times = (np.linspace(0.1, 0.9, count),)
+    span = {"t_start": 0.0, "t_stop": 1.0, "time": np.array([0.0, 1.0])}
+    rest = {"peak_mV": zero, "block_seconds": zero, "stimulus_driven": zero.astype(int)}
+    return SpikeTrains(
+        types=("FAI",), names=("FAI",), times=times, x_in=flat, current=flat, **span, **rest
+    )
+
+
+@pytest.mark.parametrize("counts", [(52, 58, 38), (3, 5, 5)], ids=["grating", "bar"])
+def test_bounds_of_counts_under_what_slides_hold_what_every_mesh_fires(counts):
+    """As found on the coarse, the standard and the fine mesh, each beside the one before."""
+    slides = replace(SCENE, motion=ff.Slide(speed=20, depth=0.5, distance=10))
+    for i, count in enumerate(counts):
+        found = afferents._scattered(fired(count), scene=slides)
+        if i:
+            found = found.beside(Rerun("the mesh is coarser", np.array([counts[i - 1]])))
+        (least,), (most,) = found.bounds()
+        assert least <= min(counts) <= max(counts) <= most
+    (least,), (most,) = afferents._scattered(fired(7), scene=SCENE).bounds()
+    assert (least, most) == (6, 8)
+    assert afferents._scattered(fired(0), scene=SCENE).bounds().ravel().tolist() == [0, 0]
+
+
+def test_a_mesh_check_that_is_left_out_is_noted_and_not_run(monkeypatch):
+    coarser = replace(SCENE.finger, resolution="coarse")
+    monkeypatch.setattr(hertz, "coarser", lambda _: coarser)
+    monkeypatch.setattr(afferents, "_spikes", lambda case: pytest.fail("it was run"))
+    found = ff.run(SCENE, changes={"ask.check": False}, mechanics="hertz")
+    assert afferents.UNCHECKED in found.notes
+    assert "the mesh is coarse" not in found.spikes.reruns

@@ -19,7 +19,7 @@ from fefinger import mechanics, plan
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.situation import Situation
-from fefinger.results import plan_text
+from fefinger.results import key_numbers, plan_text
 from fefinger.results.candidate import MECHANICS, meshed
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Settings
@@ -137,6 +137,19 @@ def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that
     depth, force = found.chosen.errors["depth"], found.chosen.error
     expected = f"largest depth {text.percent(depth)}, force at the depth {text.percent(force)}, "
     assert told.startswith(f"Expected within: {expected}")
+
+
+def test_parts_finer_than_the_facets_are_refused_before_and_said_on_top_of_the_answer():
+    fine = {"indenter.period": 0.5, "indenter.ridge": 0.25, "indenter.depth": 0.1}
+    asked = builtin.load("grating-press", fine | {"ask.spikes": []})
+    for rung in plan.rungs(asked):
+        resolution = [each.field == "finger.resolution" for each in rung.refusals]
+        assert any(resolution) is MECHANICS[rung.mechanics].meshed
+    named = plan.choose(asked, "condensed")
+    (reason,) = (each.reason for each in named.overridden if each.field == "finger.resolution")
+    result = SimpleNamespace(plan=named)
+    assert key_numbers._unresolved(result) == [reason]
+    assert "0.25 / 0.42 mm" in reason
 
 
 def test_a_mechanics_that_finds_a_scene_beyond_its_limits_is_followed_by_the_next(monkeypatch):

@@ -119,15 +119,22 @@ def slid_record(lateral: "Lateral") -> Record:
 def fired_record(trains: "SpikeTrains", unmodeled: tuple[str, ...] = ()) -> Record:
     """Return the family of the afferents, spikes of each type, and the mean rates of its units.
 
-    Rates in Hz are over the time in which spikes count; unmodeled: types not to be counted on.
+    Rates in Hz are over the time in which spikes count; within: the least and the largest in other
+    runs (`SpikeTrains.bounds`); unmodeled: types not to be counted on.
     """
-    counts = dict.fromkeys(trains.types, 0)
-    for kind, times in zip(trains.types, trains.times, strict=True):
-        counts[kind] += len(times)
-    span = trains.t_stop - trains.t_start
-    rates = {kind: n / span / trains.types.count(kind) for kind, n in counts.items()}
-    told = {"afferents": trains.family, "spikes": counts, "rates_Hz": rates}
-    return {**told, "unmodeled": list(unmodeled)}
+    totals, span = trains.totals(), trains.t_stop - trains.t_start
+    rates = {
+        kind: [each / span / trains.types.count(kind) for each in counted]
+        for kind, counted in totals.items()
+    }
+    return {
+        "afferents": trains.family,
+        "spikes": {kind: count for kind, (count, *_) in totals.items()},
+        "spikes_within": {kind: ends for kind, (_, *ends) in totals.items()},
+        "rates_Hz": {kind: rate for kind, (rate, *_) in rates.items()},
+        "rates_within_Hz": {kind: ends for kind, (_, *ends) in rates.items()},
+        "unmodeled": list(unmodeled),
+    }
 
 
 def run_summary(

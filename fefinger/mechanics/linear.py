@@ -131,13 +131,19 @@ def unmeasured(finger: Finger) -> Iterator[Reason]:
 
 
 def too_small(case: Situation) -> Iterator[Reason]:
-    """Yield the reason against a contact (its Hertz radius) too small for the mesh.
+    """Yield the reason against a contact (its Hertz radius), or parts, too small for the mesh.
 
     Under force control the depth comes from flat layers, so that both controls have one limit.
     """
+    facet, width = FACETS[case.mesh], case.indenter.feature
+    if width < facet:
+        reason = (
+            f"narrowest part of the object / facet of the pad = {width:.2g} / {facet:g} mm < 1: "
+            "the mesh does not resolve it; contact and spikes are of its vertices"
+        )
+        yield Reason("finger.resolution", reason)
     if case.indenter.hertzian is None:
         return
-    facet = FACETS[case.mesh]
     radius = hertz.half_space(case.finger, case.indenter).relative_radius
     depth = layered.deepest(case, (FEWEST * facet) ** 2 / radius)
     facets = math.sqrt(radius * depth) / facet * (1 + 1e-12)

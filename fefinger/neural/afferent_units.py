@@ -257,15 +257,18 @@ def simulate_units(
     notes = remarks(given.names, firing)
     if not exact:
         notes += tuple(coarse_remarks(given, mean_in))
+    reruns = []
     if check:
         half = replace(setup, dt=dt / 2)
         change = "the step of the membrane is halved"
-        notes += given.changes(firing.times, lambda: _fire(half, driven=False).times, change)
+        said, rerun = given.changes(firing.times, lambda: _fire(half, driven=False).times, change)
+        notes, reruns = notes + said, [rerun]
     if check and not exact:
         time, x_in = given.thinned(given.organs)
         fewer = replace(setup, time=time, x_in=x_in)
         change = "only every second sample is used"
-        notes += given.changes(firing.times, lambda: _fire(fewer, driven=False).times, change)
+        said, rerun = given.changes(firing.times, lambda: _fire(fewer, driven=False).times, change)
+        notes, reruns = notes + said, [*reruns, rerun]
     by_type = sorted(range(len(given.types)), key=given.types.__getitem__)
     current = np.empty((len(given.time), len(given.types)))
     current[:, by_type] = setup.combined(by_type)
@@ -273,6 +276,7 @@ def simulate_units(
         firing.times,
         x_in=mean_in,
         notes=notes,
+        reruns=reruns,
         current=current,
         peak_mV=firing.peak_mV,
         block_seconds=firing.block_seconds,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fefinger.neural.membranes import Firing
-from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.trains import Rerun, SpikeTrains
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice
 from fefinger.support.checks import names as different
@@ -84,9 +84,17 @@ class UnitInput:
 
     def changes(
         self, times: Sequence[Array], other: Callable[[], Sequence[Array]], change: str
-    ) -> tuple[str, ...]:
-        """Describe units whose spike count differs in another run, after a `change`."""
-        return count_changes(self.names, times, other(), change, self.since - self.delays)
+    ) -> tuple[tuple[str, ...], Rerun]:
+        """Describe units whose spike count differs in another run, after a `change`; and count."""
+        found = other()
+        notes = count_changes(self.names, times, found, change, self.since - self.delays)
+        return notes, self.rerun(found, change)
+
+    def rerun(self, times: Sequence[Array], change: str) -> Rerun:
+        """Count the spikes of another run, which left the end organs at `times`."""
+        starts = np.broadcast_to(self.since - self.delays, (len(times),))
+        counts = [np.count_nonzero(each >= t) for each, t in zip(times, starts, strict=True)]
+        return Rerun(change, np.array(counts, np.int64))
 
     def trains(
         self,
@@ -94,11 +102,13 @@ class UnitInput:
         *,
         x_in: Array,
         notes: tuple[str, ...],
+        reruns: Sequence[Rerun] = (),
         **fields: Any,
     ) -> SpikeTrains:
         """Spike trains of the units, recorded from `since` on, that left the end organs at `times`.
 
-        fields: others of SpikeTrains; potentials and counts are 0 where they are not given.
+        reruns: other runs of them, whose counts bound theirs; fields: others of SpikeTrains;
+        potentials and counts are 0 where they are not given.
         """
         recorded = (each + late for each, late in zip(times, self.delays, strict=True))
         zeros = np.zeros(len(self.types))
@@ -116,7 +126,7 @@ class UnitInput:
             depths=self.depths,
             notes=notes,
             **(absent | fields),
-        )
+        ).beside(*reruns)
 
 
 def checked_signals(

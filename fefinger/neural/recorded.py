@@ -8,9 +8,9 @@ The parameters are fitted to responses of single units through the mechanics of 
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +43,10 @@ LATENCY = 3.5
 THRESHOLD = IntegrateAndFire().threshold
 """Current in µA/cm² that the threshold of every unit counts as: a nominal one, since only the
 ratio of a current to the threshold matters."""
+
+TRIALS = 4
+"""Other trials that bound a spike count: with the first the least and largest of five, between
+which the next one lies in two of three cases."""
 
 SPIKE_MV = 40.0
 """Potential in mV that the threshold counts as, as in `IntegrateAndFire`."""
@@ -307,22 +311,57 @@ def simulate_recorded(
         steps = np.full(n, number("step", step, above=0.0, at_most=1e-3, unit="s"))
     times, peaks, current = _fire(units, given.time, x_in, steps)
     notes = () if exact else tuple(coarse_remarks(given, x_in))
+    reruns = []
     if check:
         change = "the step of the membrane is halved"
-        notes += given.changes(times, lambda: _fire(units, given.time, x_in, steps / 2)[0], change)
+        other = partial(_fire, units, given.time, x_in, steps / 2)
+        said, rerun = given.changes(times, lambda: other()[0], change)
+        notes, reruns = notes + said, [rerun]
+        for change, varied in _varied(units, given.types, parameters is None):
+            found = _fire(varied, given.time, x_in, steps)[0]
+            reruns.append(given.rerun(found, change))
     if check and not exact:
         change = "only every second sample is used"
-        notes += given.changes(times, lambda: _fire(units, *given.thinned(x_in), steps)[0], change)
+        other = partial(_fire, units, *given.thinned(x_in), steps)
+        said, rerun = given.changes(times, lambda: other()[0], change)
+        notes, reruns = notes + said, [*reruns, rerun]
     return given.trains(
         times,
         x_in=x_in,
         notes=notes,
+        reruns=reruns,
         family="recorded",
         current=THRESHOLD * current,
         peak_mV=SPIKE_MV * peaks,
         seed=variation.seed,
         trial=variation.trial,
     )
+
+
+def _varied(
+    units: "Units", types: Sequence[str], fitted_gains: bool
+) -> "Iterator[tuple[str, Units]]":
+    """Yield units in other trials and, where they are the fitted ones, with gains at their limits.
+
+    A gain is fitted to within its stated error; one that is set by hand to within the spread of
+    units.
+    """
+    if units.noise.any():
+        for trial in range(1, TRIALS + 1):
+            # Its noise is independent: the counter is mixed before it is used.
+            yield f"other trial {trial}", units._replace(stream=units.stream + np.uint64(trial))
+    if not fitted_gains:
+        return
+    rows = {kind: record()["types"][kind] for kind in dict.fromkeys(types)}
+    parts = {
+        kind: row["gain"]["error"] / row["gain"]["value"]
+        if row["gain"]["error"] is not None
+        else row["spread"]["value"]
+        for kind, row in rows.items()
+    }
+    off = np.exp([parts[kind] for kind in types])
+    yield "gains lower by their error", units._replace(gain=units.gain / off)
+    yield "gains higher by their error", units._replace(gain=units.gain * off)
 
 
 def combined(organs: Array, columns: Sequence[NDArray[np.intp]], rule: str) -> Array:

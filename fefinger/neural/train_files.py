@@ -24,6 +24,8 @@ NPZ_FORMAT = "fefinger spike trains 1"
 SIGNALS = ("x_in", "current")
 PER_UNIT = ("peak_mV", "block_seconds", "stimulus_driven")
 LISTS = ("types", "names", "notes")
+LATER = ("reruns",)
+"""Lists that files of earlier versions lack."""
 
 
 def read_npz(path: str | PathLike[str]) -> dict[str, NDArray[np.generic]]:
@@ -48,7 +50,9 @@ def fields_of(data: dict[str, NDArray[np.generic]]) -> dict[str, Any]:
     """Convert stored arrays to the fields of SpikeTrains; KeyError where one is missing."""
     fields: dict[str, Any] = {name: data[name] for name in ("time", *SIGNALS, *PER_UNIT)}
     fields |= {name: tuple(data[name].tolist()) for name in LISTS}
-    fields |= {name: data[name] for name in ("delays", "positions", "depths") if name in data}
+    fields |= {name: tuple(data[name].tolist()) for name in LATER if name in data}
+    arrays = ("delays", "positions", "depths", "rerun_counts")
+    fields |= {name: data[name] for name in arrays if name in data}
     fields |= {name: int(data[name].item()) for name in ("seed", "trial") if name in data}
     fields |= {name: data[name].item() for name in ("family",) if name in data}
     fields["times"] = tuple(np.split(data["spikes"], data["offsets"][1:-1]))

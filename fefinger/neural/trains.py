@@ -2,16 +2,17 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.neural.train_files import (
+    LATER,
     LISTS,
     NPZ_FORMAT,
     PER_UNIT,
@@ -37,15 +38,24 @@ FEW = 12
 UNMODELED = " (not modeled here)"
 """Beside spikes whose cause the mechanics leaves out."""
 
+
+class Rerun(NamedTuple):
+    """Another run of the same units: what it changes, and its spike counts (n_units,)."""
+
+    change: str
+    counts: Integers
+
+
 CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
 
 UNIT_COLUMNS = (
     *("unit", "type", "x_mm", "y_mm", "z_mm", "depth_mm", "delay_s"),
-    *("count", "t_start_s", "t_stop_s"),
+    *("count", "count_least", "count_most", "t_start_s", "t_stop_s"),
 )
-"""Columns of the table of units, with their number of spikes from t_start_s to t_stop_s."""
+"""Columns of the table of units, with their number of spikes from t_start_s to t_stop_s, and the
+least and largest one in other runs."""
 
-OPTIONAL = ("delays", "positions", "depths", "seed", "trial")
+OPTIONAL = ("delays", "positions", "depths", "seed", "trial", "rerun_counts")
 
 UNITS = {
     "times": "s",
@@ -58,6 +68,7 @@ UNITS = {
     "delays": "s",
     "positions": "mm",
     "depths": "mm",
+    "rerun_counts": "1",
 }
 """Units of the arrays of SpikeTrains, as stored with them."""
 
@@ -91,7 +102,8 @@ class SpikeTrains:
     with sodium activation frozen at rest, so that the current alone carries the potential over it.
     notes: sentences on limits and peculiarities of the trains. family: name of the model of the
     units. The current of units of "recorded" is scaled to a nominal threshold of 6.2 µA/cm², their
-    potential to one of 40 mV; they have no block.
+    potential to one of 40 mV; they have no block. reruns: what other runs of the units change, as
+    step, samples, trial, gain and mesh; rerun_counts: (n_reruns, n_units) spikes in them, or None.
 
     Raises
     ------
@@ -117,6 +129,8 @@ class SpikeTrains:
     trial: int = 0
     notes: tuple[str, ...] = ()
     family: str = "thesis"
+    reruns: tuple[str, ...] = ()
+    rerun_counts: Integers | None = None
 
     def __post_init__(self) -> None:
         """Check that names are different, and that every field has all units."""
@@ -162,6 +176,29 @@ class SpikeTrains:
         """Return the number of spikes of each unit, (n_units,)."""
         return np.array([len(times) for times in self.times], np.int64)
 
+    def beside(self, *reruns: Rerun) -> Self:
+        """Return the trains with the counts of other runs of the units beside them."""
+        if not reruns:
+            return self
+        rows = [] if self.rerun_counts is None else [self.rerun_counts]
+        counts = np.vstack([*rows, *(each.counts for each in reruns)])
+        changes = tuple(each.change for each in reruns)
+        return replace(self, reruns=self.reruns + changes, rerun_counts=counts)
+
+    def bounds(self) -> Integers:
+        """Return the least and the largest spike count of each unit, (2, n_units), of all runs.
+
+        What step, samples, trials, gains and mesh leave open, as far as other runs have changed
+        them (`reruns`).
+        """
+        counts = self._counts()
+        return np.stack([counts.min(axis=0), counts.max(axis=0)])
+
+    def _counts(self) -> Integers:
+        """Spike counts (1 + n_reruns, n_units) of this run and of the others."""
+        others = [] if self.rerun_counts is None else [self.rerun_counts]
+        return np.vstack([self.count(), *others])
+
     def at_end_organs(self, unit: int | str) -> Array:
         """Return the times in s at which the spikes of a unit left its end organs."""
         i = self.index(unit)
@@ -170,19 +207,26 @@ class SpikeTrains:
     def summary(self, unmodeled: Sequence[str] = ()) -> str:
         """List the numbers of spikes: by unit for up to FEW units, else by type.
 
+        With the least and the largest number in other runs, where they differ (`bounds`).
+
         unmodeled: types of which it says, beside their numbers, that they are not modeled.
         """
         counts, apart = self.count(), dict.fromkeys(unmodeled, UNMODELED)
         if len(self) <= FEW:
-            rows = zip(self.names, self.types, counts.tolist(), strict=True)
-            return ", ".join(f"{n} {c}{apart.get(kind, '')}" for n, kind, c in rows)
+            rows = zip(self.names, self.types, counts, *self.bounds(), strict=True)
+            return ", ".join(f"{n} {_within(*c)}{apart.get(kind, '')}" for n, kind, *c in rows)
         totals = []
-        for kind in dict.fromkeys(self.types):
+        for kind, fired in self.totals().items():
             of_kind = counts[np.array(self.types) == kind]
-            firing = int(np.count_nonzero(of_kind))
-            fired = f"{kind} {int(of_kind.sum())} from {firing} of {len(of_kind)} units"
-            totals.append(f"{fired}{apart.get(kind, '')}")
+            firing = f"{np.count_nonzero(of_kind)} of {len(of_kind)} units"
+            totals.append(f"{kind} {_within(*fired)} from {firing}{apart.get(kind, '')}")
         return ", ".join(totals)
+
+    def totals(self) -> dict[str, tuple[int, int, int]]:
+        """Return the number of spikes of each type, and its least and largest in other runs."""
+        counts, types = self._counts(), np.array(self.types)
+        by_type = {kind: counts[:, types == kind].sum(axis=1) for kind in dict.fromkeys(self.types)}
+        return {kind: (int(n[0]), int(n.min()), int(n.max())) for kind, n in by_type.items()}
 
     def rate(self, unit: int | str, t: ArrayLike) -> Array:
         """Return the instantaneous rate of a unit in Hz at times `t` in s, of any shape.
@@ -214,7 +258,7 @@ class SpikeTrains:
         `units_of_arrays` the unit of each array as "name unit", `meanings` descriptions of SIGNALS
         as "name: meaning".
         """
-        stored = ("time", *SIGNALS, *PER_UNIT, *LISTS, *OPTIONAL)
+        stored = ("time", *SIGNALS, *PER_UNIT, *LISTS, *LATER, *OPTIONAL)
         given = {name: getattr(self, name) for name in stored}
         arrays = {name: value for name, value in given.items() if value is not None}
         arrays |= {name: _whole(arrays[name]) for name in ("seed", "trial") if name in arrays}
@@ -273,6 +317,8 @@ class SpikeTrains:
             "depth_mm": np.full(len(self), np.nan) if self.depths is None else self.depths,
             "delay_s": self.delays,
             "count": self.count(),
+            "count_least": self.bounds()[0],
+            "count_most": self.bounds()[1],
             "t_start_s": self.t_start,
             "t_stop_s": self.t_stop,
         }
@@ -393,6 +439,11 @@ class SpikeTrains:
         file.add_stimulus(series)
         with in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:
             io.write(file)
+
+
+def _within(count: int, least: int, most: int) -> str:
+    """Return a number of spikes, and in brackets the least and the largest one, if they differ."""
+    return f"{count} ({least} to {most})" if least < most else str(count)
 
 
 def _provenance(trains: SpikeTrains) -> dict[str, object]:

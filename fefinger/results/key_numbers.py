@@ -92,7 +92,7 @@ def key_numbers(result: ResultRecord) -> Iterator[KeyNumber]:
 
 def rows(result: ResultRecord) -> list[tuple[str, str]]:
     """Return (name, text) of every number with its error, of friction, spikes and cautions."""
-    lines = []
+    lines = [("caution", caution) for caution in _unresolved(result)]
     for number in key_numbers(result):
         about = ", ".join(filter(None, (number.within, number.about)))
         if not number.name.startswith("spikes"):
@@ -127,6 +127,12 @@ def cautions(result: ResultRecord) -> list[str]:
     of_finger = map(_inner, other_size(result.scene.finger))
     found = [*_far_off(result), *_beyond_small(result), *_without_cause(result)]
     return [*found, *_record(result.scene), *of_finger]
+
+
+def _unresolved(result: ResultRecord) -> list[str]:
+    """Return sentences on an object that the mesh does not resolve, which stand before all else."""
+    refusals = result.plan.overridden
+    return [each.reason for each in refusals if each.field == "finger.resolution"]
 
 
 def _without_cause(result: ResultRecord) -> list[str]:

@@ -553,3 +553,35 @@ def test_the_file_of_parameters_has_every_type_within_its_bounds_and_its_provena
         assert unit.drive in ("compressive", "tangent")
     assert {"command", "data", "finger", "probe"} <= set(contents["provenance"])
     assert json.loads(json.dumps(contents)) == contents
+
+
+def test_other_runs_bound_a_count_by_gains_trials_and_steps():
+    """Against units whose gains are changed by hand, and against trials that are run."""
+    x = np.interp(TIME, [0.0, 0.1, 2.0], [0.0, 0.7, 0.7])[:, None] * np.ones(4)
+    found = simulate_recorded(TIME, x, types=TYPES)
+    counts = dict(zip(found.reruns, found.rerun_counts, strict=True))
+    assert sum(change.startswith("other trial") for change in counts) == 4
+    for sign, words in ((-1, "lower"), (1, "higher")):
+        changed = {}
+        for kind, unit in fitted().items():
+            row = record()["types"][kind]
+            error = row["gain"]["error"]
+            off = row["spread"]["value"] if error is None else error / row["gain"]["value"]
+            changed[kind] = replace(unit, gain=unit.gain * math.exp(sign * off))
+        other = simulate_recorded(TIME, x, types=TYPES, parameters=changed, check=False)
+        assert other.count().tolist() == counts[f"gains {words} by their error"].tolist()
+        assert other.count()[0] * sign > found.count()[0] * sign
+    least, most = found.bounds()
+    assert (least <= found.count()).all()
+    assert (most >= found.count()).all()
+    assert f"SAI {found.count()[0]} ({least[0]} to {most[0]})" in found.summary()
+    quiet = Variation(seed=0, noise=0.0)
+    silent = simulate_recorded(TIME, x, types=TYPES, variation=quiet)
+    assert not any(change.startswith("other trial") for change in silent.reruns)
+    trials = [
+        simulate_recorded(
+            TIME, x, types=TYPES, variation=Variation(seed=0, noise=None, trial=k), check=False
+        ).count()[0]
+        for k in range(20, 40)
+    ]
+    assert abs(np.mean(trials) - counts["other trial 1"][0]) < 6 * np.std(trials) + 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from fefinger.neural.trains import SpikeTrains
+from fefinger.neural.trains import Rerun, SpikeTrains
 
 
 def trains(*times):
@@ -88,3 +88,16 @@ def test_unknown_units_are_named():
         trains([]).index("FAI")
     with pytest.raises(IndexError):
         trains([]).index(3)
+
+
+def test_the_bounds_of_a_type_are_of_the_sums_of_each_run():
+    """Not the sum of the bounds of units: what one run adds to a unit it may take from another."""
+    many = trains(*[[0.1, 0.2, 0.3]] * 20)
+    swapped = np.where(np.arange(20) % 2, 2, 4)
+    beside = many.beside(Rerun("a trial", swapped), Rerun("the mesh is coarse", swapped - 1))
+    assert beside.bounds()[:, 0].tolist() == [3, 4]
+    assert beside.totals() == {"SAI": (60, 40, 60)}
+    assert beside.summary() == "SAI 60 (40 to 60) from 20 of 20 units"
+    assert many.summary() == "SAI 60 from 20 of 20 units"
+    table = beside.units_to_pandas()
+    assert table["count_least"].tolist() == beside.bounds()[0].tolist()
