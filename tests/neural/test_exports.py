@@ -33,9 +33,19 @@ TRAINS = SpikeTrains(
     seed=12,
     trial=4,
     notes=("SAI-2: in depolarization block for 0.1 s",),
+    reruns=("the mesh is coarse",),
+    rerun_counts=np.array([[3, 0, 2]]),
 )
 BARE = replace(
-    TRAINS, delays=np.zeros(3), positions=None, depths=None, seed=None, trial=0, notes=()
+    TRAINS,
+    delays=np.zeros(3),
+    positions=None,
+    depths=None,
+    seed=None,
+    trial=0,
+    notes=(),
+    reruns=(),
+    rerun_counts=None,
 )
 BOTH = pytest.mark.parametrize("trains", [TRAINS, BARE], ids=["full", "bare"])
 

@@ -128,7 +128,8 @@ def test_stepped_units_fire_as_simulated_ones_on_the_same_strain():
     """Three end organs of two units, under strain that grows at different rates."""
     time = np.linspace(0.0, 1.0, 201)
     strain = np.zeros((len(time), 3, 6))
-    strain[:, :, 2] = -np.array([0.1, 0.3, 0.2]) * time[:, None]
+    # Rates whose last impulse is not at the end, where rounding would decide of it.
+    strain[:, :, 2] = -np.array([0.1, 0.31, 0.21]) * time[:, None]
     strain[:, :, 0] = 0.5 * strain[:, :, 2]
     loop, found = stepped(Counting(), ("SAI", "SAI", "FAI"), unit=np.array([0, 0, 1])), []
     for before, now, row in zip(time[:-1], time[1:], strain[1:], strict=True):
