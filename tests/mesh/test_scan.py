@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import shell as surface
 from fefinger.mesh.build import build
 from fefinger.mesh.cloud import Cloud, smoothed
@@ -229,15 +230,34 @@ def test_an_open_scan_is_cut_distal_of_its_rim(tmp_path: Path) -> None:
         Finger.from_surface(path)
 
 
-def test_a_scan_is_meshed_by_a_morph_and_the_same_each_time(scan: Shape, stl: Path) -> None:
+@pytest.fixture(scope="module")
+def mesh(stl: Path) -> FingerMesh:
+    """Return the coarse mesh of the file."""
+    return build(Recipe(14, 10, 14, resolution="coarse", surface=str(stl)))
+
+
+def test_a_scan_is_meshed_by_a_morph_and_the_same_each_time(
+    scan: Shape, stl: Path, mesh: FingerMesh
+) -> None:
     recipe = Recipe(14, 10, 14, resolution="coarse", surface=str(stl))
-    mesh = build(recipe)
     assert "template" in mesh.quality
     gate(mesh.quality)
     pad = mesh.points[np.unique(mesh.facets["pad"])]
     assert np.abs(scan.skin.level(pad)).max() < 1e-6
     # exact: one call, made twice; the rest of a morph is in test_morph.py
     assert np.array_equal(scanned(recipe).skin.points, scan.skin.points)
+
+
+def test_a_scan_that_the_mesher_makes_says_that_it_is_another_each_time(
+    stl: Path, mesh: FingerMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The mesher itself is tested in test_build.py; here it is one that has made a good mesh."""
+    recipe = Recipe(14, 10, 14, resolution="coarse", surface=str(stl))
+    monkeypatch.setattr("fefinger.mesh.build._morphed", lambda *_, **__: None)
+    monkeypatch.setattr("fefinger.mesh.build._attempt", lambda *_, **__: mesh)
+    notes = build(recipe).quality["notes"]
+    assert notes[:-1] == mesh.quality["notes"]
+    assert "the mesher made this one" in notes[-1]
 
 
 def rippled(stl: Path, path: Path, noise: float, ripple: float) -> Path:
