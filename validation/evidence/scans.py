@@ -9,6 +9,7 @@ cylinder, 1.75 widths long, 0.8 as thick as wide with 0.65 of it below the wides
 import sys
 import tempfile
 import time
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -30,15 +31,15 @@ SAME: dict[str, dict[str, Any]] = {
     "smooth, 17 thousand triangles": {},
     "700 triangles": {"triangles": 700},
     "2000 triangles": {"triangles": 2000},
-    "150 thousand triangles": {"dense": True},
     "noise of 0.05 mm": {"noise": 0.05},
     "noise of 0.1 mm": {"noise": 0.1},
     "700 triangles, noise of 0.05 mm": {"triangles": 700, "noise": 0.05},
-    "150 thousand triangles, noise of 0.1 mm": {"dense": True, "noise": 0.1},
     "rolled by 8 degrees": {"turn": (8, 0, 0)},
     "tilted by 15 degrees": {"turn": (0, 15, 0)},
     "turned about all axes": {"turn": (5, 10, -15)},
     "cut askew by 20 degrees": {"askew": 20},
+    "150 thousand triangles": {"dense": True},
+    "150 thousand triangles, noise of 0.1 mm": {"dense": True, "noise": 0.1},
 }
 """Surfaces of one finger 14 mm wide: their forces should be the same."""
 
@@ -124,24 +125,24 @@ def measure(mesh: trimesh.Trimesh, resolution: str, folder: Path) -> dict[str, A
 
 
 def main(folder: Path, resolutions: list[str]) -> None:
-    """Measure all made scans and write `scans.json` into the folder."""
+    """Measure all made scans and write `scans.json` into the folder, anew after each."""
     rows: dict[str, dict[str, Any]] = {}
     with empty_cache(), tempfile.TemporaryDirectory() as files:
-        for resolution in resolutions:
-            for name, given in (SAME | OTHER).items():
-                rows[f"{resolution}: {name}"] = measure(surface(**given), resolution, Path(files))
-                print(resolution, name, rows[f"{resolution}: {name}"], flush=True)
-    scatter = {}
-    for resolution in resolutions:
-        same = [rows[f"{resolution}: {name}"] for name in SAME]
-        forces = [row["force"] for row in same if "force" in row]
-        scatter[resolution] = round(float(np.ptp(forces) / np.mean(forces)), 4)
-    report = {
-        "about": "Made scans of fingertips: force, size and seconds by resolution and noise.",
-        "range_over_mean": scatter,
-        "rows": rows,
-    }
-    save(folder / "scans.json", report, " ".join([folder.name, *resolutions]))
+        for resolution, (name, given) in product(resolutions, (SAME | OTHER).items()):
+            row = measure(surface(**given), resolution, Path(files))
+            print(resolution, name, row, flush=True)
+            rows[f"{resolution}: {name}"] = row
+            forces = [
+                rows[label]["force"]
+                for label in (f"{resolution}: {same}" for same in SAME)
+                if "force" in rows.get(label, {})
+            ]
+            report = {
+                "about": "Made scans of fingertips: force, size, seconds by resolution and noise.",
+                "range_over_mean": round(float(np.ptp(forces) / np.mean(forces)), 4),
+                "rows": rows,
+            }
+            save(folder / "scans.json", report, " ".join([folder.name, *resolutions]))
 
 
 if __name__ == "__main__":
