@@ -5,21 +5,26 @@ from dataclasses import replace
 from pathlib import Path
 
 from fefinger.calibration import array_sensor, record_file
-from fefinger.calibration.outcome import checked, refuse_gross
+from fefinger.calibration.held_out import Held, checked
+from fefinger.calibration.outcome import refuse_gross
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.records_target import together
 from fefinger.calibration.rig import Rig
 from fefinger.calibration.search import Search
+from fefinger.calibration.slow_press import PLATE
 from fefinger.mesh.store import mesh_problem
 from fefinger.scene.finger import RESOLUTIONS, Finger
+from fefinger.scene.indenter import Indenter
 from fefinger.support.checks import InputError, choice
 from fefinger.support.progress import Progress
+from fefinger.support.threads import one_thread
 
 
 MECHANICS = ("condensed", "solid")
 
 
+@one_thread
 def calibrate(
     source: str | Path | Sequence[str | Path],
     *,
@@ -30,6 +35,7 @@ def calibrate(
     check: str | Path | None = None,
     columns: Mapping[str, str] | None = None,
     rig: Rig | None = None,
+    indenter: Indenter | Sequence[Indenter] = PLATE,
     progress: Progress | None = None,
 ) -> Calibration:
     """Fit a finger to the record of a user, or to several presses of one finger by one rig.
@@ -38,8 +44,8 @@ def calibrate(
     ----------
     source
         A file of time, position and force (text, `.lvm`, `.mat` or HDF5) with a fast ramp and a
-        hold of a plate at 30 degrees to the bone; or several, at other speeds or depths, which
-        share tissue, delay, lag and compliance.
+        hold of a plate at 30 degrees to the bone, or of `indenter`; or several, at other speeds or
+        depths or by other objects, which share tissue, delay, lag and compliance.
     finger
         Size and tissues, whose moduli are the prior of the fit.
     mechanics
@@ -57,6 +63,9 @@ def calibrate(
     rig
         What the rig does to the record, by default that of usual rigs: a force late by 0 +- 2 ms,
         with an offset of 0 +- 50 mN and a drift of 0 +- 5 mN/s, which are fitted.
+    indenter
+        The object of all records, such as `ff.Flat(0)` or `ff.Sphere(5)`, or one for each, and then
+        for `check`.
     progress
         Called with the name of a stage and the fraction of it that is done.
 
@@ -84,15 +93,45 @@ def calibrate(
     files = [source] if isinstance(source, str | Path) else list(source)
     if not files:
         raise InputError("source: expected the file of a record or more, received none")
-    rig = rig or Rig()
+    rig, objects = rig or Rig(), _objects(indenter, len(files), check is not None, mechanics)
+    if measured is not None and objects[0] != PLATE:
+        raise InputError(
+            f"{frames}: expected a first record of the plate at 30 degrees with frames of the "
+            f"array, which lies on it, received one of {objects[0].describe()}"
+        )
     with work.stage("lumped") as misfit:
         records = []
         for count, file in enumerate(files, start=1):
             press = f" {count}" if count > 1 else ""
-            records.append(record_file.record(file, resolution, columns, rig, press))
+            under = objects[count - 1]
+            records.append(record_file.record(file, resolution, columns, rig, press, under))
             record_file.check_depth(records[-1], finger)
         misfit(max(each.lumped_misfit for each in records))
     calibration = Search(work, together(records), measured).calibration(mechanics)
     for each in records:
         refuse_gross(calibration, each)
-    return calibration if predicted is None else checked(calibration, predicted, rig)
+    if predicted is None:
+        return calibration
+    held = Held(str(check), *predicted, objects[-1])
+    return checked(calibration, work, held, together(records))
+
+
+def _objects(
+    given: Indenter | Sequence[Indenter], files: int, has_check: bool, mechanics: str
+) -> tuple[Indenter, ...]:
+    """Return the objects of the records, and of the one to predict."""
+    objects = [given] if isinstance(given, Indenter) else list(given)
+    count = files + has_check
+    if len(objects) not in (1, count):
+        of_check = " and one for the record to predict, the last" if has_check else ""
+        raise InputError(
+            f"indenter: expected one object, or one for each of {files} records{of_check}, "
+            f"received {len(objects)}"
+        )
+    objects = objects * (count if len(objects) == 1 else 1)
+    if mechanics == "condensed" and len(set(objects)) > 1:
+        raise InputError(
+            "indenter: expected one object by condensed, whose t(u) is of one, received "
+            f"{len(set(objects))}; use solid"
+        )
+    return tuple(objects)

@@ -16,6 +16,7 @@ from fefinger.calibration.press_store import Work
 from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget
 from fefinger.calibration.rig import Rig
 from fefinger.calibration.search import EXPONENTS, biased, row, with_skin
+from fefinger.calibration.slow_press import PLATE
 from fefinger.calibration.targets import TOUCH
 from fefinger.calibration.trace import trace
 from fefinger.scene import library, pawluk1997
@@ -132,7 +133,9 @@ def expected(press: Candidate, law: ForceLaw, rig: Rig) -> RecordTarget:
     size = len(reduced.time)
     least = (MESH["coarse"], ONE_G)
     target = RecordTarget(
-        *("design", record, lumped, reduced, 0.0, noise, rig, "coarse", "", least, np.eye(size))
+        *("design", record, lumped, reduced, 0.0, noise, rig, "coarse", "", PLATE),
+        least,
+        np.eye(size),
     )
     return target.about(law, {TOUCH: 0.0})
 

@@ -143,8 +143,11 @@ class Forces:
 
     def law(self, values: Values) -> ForceLaw:
         """Evaluate the force law of the values."""
-        curve, factor = self._curve(values)
-        return ForceLaw(curve, prony_of(values), factor)
+        curve, factor = self._curve(self.family, values)
+        others = {
+            indenter: self._curve(each, values)[0] for indenter, each in self.family.others.items()
+        }
+        return ForceLaw(curve, prony_of(values), factor, others)
 
     def residual(self, values: Values) -> Array:
         """Compute the residuals (n_residuals,) in standard deviations of the data."""
@@ -154,19 +157,19 @@ class Forces:
         """Return the residual with the covariance of the data about the values of a fit."""
         return replace(self, target=self.target.weighed(self.law, self.unknowns, values))
 
-    def _curve(self, values: Values) -> tuple[Curve, float]:
-        """Evaluate the relaxed curve of the values, and the factor on its force."""
+    def _curve(self, family: Family, values: Values) -> tuple[Curve, float]:
+        """Evaluate the relaxed curve of the values in a family, and the factor on its force."""
         radius = values.get(RADIUS, self.radius)
-        if len(self.family.shapes) == 1:
-            return self.family.at(values[GROWTH], radius), values[GAIN]
+        if len(family.shapes) == 1:
+            return family.at(values[GROWTH], radius), values[GAIN]
         ratio = values.get(RATIO, self.ratio) / self.ratio
-        return self.family.at(values[SHAPE], radius, ratio), values[MODULUS] / self.modulus
+        return family.at(values[SHAPE], radius, ratio), values[MODULUS] / self.modulus
 
     def _start(self, shape: float) -> Values:
         """Make the start at a shape of the law, with a modulus from the target's largest force."""
         solid = len(self.family.shapes) > 1
         values = {SHAPE: shape, MODULUS: self.modulus} if solid else {GROWTH: shape, GAIN: 1.0}
-        curve, _ = self._curve(values)
+        curve, _ = self._curve(self.family, values)
         spring, prony, top = self.target.lumped_law
         depth = min(float(spring.position(top)) - spring.x0 + 0.2, 0.8 * curve.deepest)
         factor = prony.long_time * top / float(curve.force(depth))

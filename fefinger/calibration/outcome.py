@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,15 +12,21 @@ from fefinger.calibration import pad_radius
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import MODULUS, RADIUS, RATIO, SHAPE
 from fefinger.calibration.inverse import Solution
-from fefinger.calibration.record import LENGTHS, Calibration, Stage, parameters_of, tissue
+from fefinger.calibration.record import (
+    LENGTHS,
+    Calibration,
+    Stage,
+    parameters_of,
+    tissue,
+)
+from fefinger.calibration.record_checks import findings, marks, told
 from fefinger.calibration.record_target import RecordTarget
-from fefinger.calibration.rig import Rig
-from fefinger.calibration.targets import TOUCH, Target, errors
+from fefinger.calibration.records_target import presses
+from fefinger.calibration.targets import Target
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
-from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 
 
@@ -88,6 +95,8 @@ def outcome(
     parameters, correlations = parameters_of(solution)
     residuals = {"misfit": solution.misfit, **wanted.misfits(result.law, values), **array}
     residuals["distance of the curve from the last press"] = ripple
+    records = presses(wanted)
+    found = [findings(each, values, solution.deviations) for each in records]
     return Calibration(
         target=wanted.name,
         mechanics=mechanics,
@@ -106,19 +115,12 @@ def outcome(
         shares=tuple(tuple(row) for row in np.round(curve.shares, 9).tolist()),
         growth=curve.growth,
         checks=wanted.checks(result.law),
+        findings=tuple(chain.from_iterable(map(told, records, found))),
+        presses=tuple(
+            each.fitted(result.law, values, marks(wrong))
+            for each, wrong in zip(records, found, strict=True)
+        ),
     )
-
-
-def checked(done: Calibration, motion: tuple[Array, Array, Array], rig: Rig) -> Calibration:
-    """Add the errors of the prediction of a motion (n_t,) s, mm, N that was not fitted.
-
-    Touch and delay are taken from the first record that was fitted.
-    """
-    time, position, force = motion
-    model = done.predict(time, position - done[TOUCH].value)
-    late = done["delay"].value if rig.is_loose("delay") else rig.delay[0]
-    model = np.interp(time - 1e-3 * late, time, model)
-    return replace(done, checks=done.checks | {"record that was not fitted": errors(force, model)})
 
 
 def refuse_gross(done: Calibration, wanted: RecordTarget) -> None:

@@ -8,9 +8,18 @@ from dataclasses import replace
 
 from fefinger.calibration.outcome import stiffening
 from fefinger.calibration.record import Stage
-from fefinger.calibration.slow_press import LATER, SPARE, SlowPress, press, shapable, small
+from fefinger.calibration.slow_press import (
+    LATER,
+    PLATE,
+    SPARE,
+    SlowPress,
+    press,
+    shapable,
+    small,
+)
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
 from fefinger.support.progress import Progress
 
 
@@ -24,7 +33,7 @@ class Work:
     def __init__(self, finger: Finger, progress: Progress | None) -> None:
         self.finger, self.progress = finger, progress
         self.stages: list[Stage] = []
-        self._presses: dict[tuple[Finger, str], SlowPress] = {}
+        self._presses: dict[tuple[Finger, str, Indenter], SlowPress] = {}
         self._early: dict[tuple[float, str], None] = {}
         self._buckling = set[str]()  # meshes on which a press ended early
 
@@ -51,6 +60,7 @@ class Work:
         exponent: float | None = None,
         ratio: float = 1.0,
         part: float | None = None,
+        indenter: Indenter = PLATE,
     ) -> SlowPress:
         """Press the finger with another radius, exponent and skin; `part` as in `slow_press`."""
         finger = stiffening(self.finger, exponent)
@@ -60,12 +70,12 @@ class Work:
             pad_radius=radius,
             skin=replace(finger.skin, modulus=ratio * finger.skin.modulus),
         )
-        wanted = finger, mechanics
+        wanted = finger, mechanics, indenter
         if wanted not in self._presses:
             finite = MECHANICS[mechanics].finite
             spare = LATER if finger.resolution in self._buckling else SPARE
             self._presses[wanted] = (
-                press(finger, mechanics, part, spare) if finite else small(finger)
+                press(finger, mechanics, part, spare, indenter) if finite else small(finger)
             )
             self._note(finger, self._presses[wanted])
         return self._presses[wanted]

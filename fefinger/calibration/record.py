@@ -29,7 +29,7 @@ from fefinger.theory.relaxation import Prony
 LIMIT = 1.96
 """Standard deviations of a normal distribution to the limits that hold 95 % of it."""
 
-FILE, TISSUE_FILE = "calibration.json", "tissue.toml"
+FILE, TISSUE_FILE, PAGE_FILE = "calibration.json", "tissue.toml", "calibration.html"
 
 LENGTHS = ("width", "thickness", "pad_radius", "tip_radius", "tip_tissue")
 """Lengths in mm of the finger that a tissue file keeps, where they are given."""
@@ -102,6 +102,26 @@ class Stage:
 
 
 @dataclass(frozen=True)
+class PressFit:
+    """A press and what the calibration makes of it, by averages (n,) of its samples, for a page.
+
+    time s; depth mm; force and model N; noise N: standard deviations of the averages by the noise
+    of both channels, () where it is not known; spread N: with errors of the model; marks: times s
+    of faults of the record, with a name; held_out: predicted, not fitted.
+    """
+
+    name: str
+    time: tuple[float, ...]
+    depth: tuple[float, ...]
+    force: tuple[float, ...]
+    model: tuple[float, ...]
+    noise: tuple[float, ...] = ()
+    spread: tuple[float, ...] = ()
+    marks: tuple[tuple[float, str], ...] = ()
+    held_out: bool = False
+
+
+@dataclass(frozen=True)
 class Calibration:
     """A finger fitted to a subject or a record.
 
@@ -109,7 +129,8 @@ class Calibration:
     parameters; correlations (n, n) of them, in their order; residuals: misfits by name;
     unidentified: sentences; stages; status: one sentence; skin, subcutaneous: the layers; prony: G;
     deepest mm, q, shares and growth: the relaxed curve (see `Curve`); checks: predictions of what
-    was not fitted, by name; findings: sentences on the record and its rig.
+    was not fitted, by name; findings: sentences on the record and its rig; presses: those
+    that were fitted, and one that was held out.
     """
 
     target: str
@@ -130,6 +151,7 @@ class Calibration:
     growth: float | None
     checks: dict[str, dict[str, float]] = field(default_factory=dict)
     findings: tuple[str, ...] = ()
+    presses: tuple[PressFit, ...] = ()
 
     def __repr__(self) -> str:
         """Show parameters, misfits, stages and what is not identified, not the curve."""
@@ -249,9 +271,13 @@ class Calibration:
             for each in fields["parameters"]
         )
         fields["stages"] = tuple(Stage(**each) for each in fields["stages"])
+        fields["presses"] = tuple(
+            PressFit(**{name: _tuples(value) for name, value in each.items()})
+            for each in fields.get("presses", ())
+        )
         fields["prony"] = Prony(**fields["prony"])
         found = cls(**fields)
-        for record in (found, *found.parameters, *found.stages):
+        for record in (found, *found.parameters, *found.stages, *found.presses):
             for name, hint in get_type_hints(type(record)).items():
                 if not _is_of_type(getattr(record, name), hint):
                     message = f"{name}: {shown(getattr(record, name))} where {hint} belongs"
@@ -261,7 +287,7 @@ class Calibration:
 
 def keep_others(folder: Path) -> None:
     """Raise InputError where files of a calibration's names in a folder come from elsewhere."""
-    present = [name for name in (FILE, TISSUE_FILE) if (folder / name).exists()]
+    present = [name for name in (FILE, TISSUE_FILE, PAGE_FILE) if (folder / name).exists()]
     if FILE in present:
         with suppress(InputError):
             Calibration.load(folder)
@@ -338,6 +364,11 @@ def _weights(solution: Solution) -> tuple[Array, Array]:
     jacobian[:, at] = -np.outer(weights, weights[1:])
     jacobian[1:, at] += np.diag(weights[1:])
     return weights, jacobian
+
+
+def plain(values: Array) -> tuple[float, ...]:
+    """Convert values (n,) to numbers of six digits."""
+    return tuple(float(f"{value:.6g}") for value in values.tolist())
 
 
 def tissue(law: Tissue) -> dict[str, object]:

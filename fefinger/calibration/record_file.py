@@ -9,8 +9,10 @@ import numpy as np
 from fefinger.calibration import lumped_fit
 from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget, peak_after_corner
 from fefinger.calibration.rig import Rig
+from fefinger.calibration.slow_press import PLATE
 from fefinger.calibration.trace import trace
 from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.identify import TERMS, Identification, joint
@@ -36,16 +38,18 @@ def record(
     columns: Mapping[str, str] | None = None,
     rig: Rig | None = None,
     press: str = "",
+    indenter: Indenter = PLATE,
 ) -> RecordTarget:
     """Read and check the target in a file of time, position and force.
 
-    `mesh` is the resolution of the model to be fitted; `columns` as of `lumped_fit.read`; press:
-    as of RecordTarget.
+    `mesh` is the resolution of the model to be fitted; `columns` as of `lumped_fit.read`; press and
+    indenter: as of RecordTarget.
 
     Raises InputError if the file has no usable ramp and hold, other units, or a response unlike a
     finger's.
     """
-    return made(str(file), *lumped_fit.read(file, columns=columns), mesh, rig or Rig(), press)
+    table = lumped_fit.read(file, columns=columns)
+    return made(str(file), *table, mesh, rig or Rig(), press, indenter)
 
 
 def made(
@@ -56,6 +60,7 @@ def made(
     mesh: str,
     rig: Rig | None = None,
     press: str = "",
+    indenter: Indenter = PLATE,
 ) -> RecordTarget:
     """Make the target of a record (n_t,) s, mm, N, called `name` in messages."""
     rig = rig or Rig()
@@ -79,7 +84,9 @@ def made(
     sd = np.maximum(noise[0], 1e-3 * np.ptp(reduced.force)) / np.sqrt(reduced.size)
     first = np.diag(np.hypot(sd, 5e-3 * np.abs(reduced.force)))
     return RecordTarget(
-        name, parts, lumped, reduced, tare, noise, rig, mesh, press, (MESH[mesh], ONE_G), first
+        *(name, parts, lumped, reduced, tare, noise, rig, mesh, press, indenter),
+        (MESH[mesh], ONE_G),
+        first,
     )
 
 

@@ -10,9 +10,11 @@ from scipy.linalg import solve_triangular
 from fefinger.calibration import discrepancy
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values, jacobian
+from fefinger.calibration.record import PressFit, plain
 from fefinger.calibration.rig import Rig, lagged
 from fefinger.calibration.targets import TOUCH, LumpedLaw, errors
 from fefinger.calibration.trace import Trace
+from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
 from fefinger.theory.lumped import confidence
 from fefinger.theory.lumped.identify import TERMS, Identification
@@ -52,6 +54,10 @@ A law with one G misses a finger whose stress relaxes at finite strain by as muc
 press by `solid`.
 """
 
+NEWTON = 2
+"""Steps to the depth under a rig that gives: each leaves a tenth of the noise of the measured
+force, which the tissue remembers."""
+
 SLOWLY = 1.0
 """Correlation length of the error of the relaxation in the logarithm of the time since touch."""
 
@@ -81,8 +87,8 @@ class RecordTarget:
 
     record: without the reading `tare` in N before touch; trace: averages of it, with that reading;
     noise: of one sample in N and mm; mesh: resolution of the fitted model; press: ending of the
-    names of what is this press's own; model_errors: of force and relaxation, over the force;
-    factor: Cholesky's (n, n) in N of the covariance of the averages.
+    names of what is this press's own; indenter: what presses; model_errors: of force and
+    relaxation, over the force; factor: Cholesky's (n, n) in N of the covariance of the averages.
     """
 
     name: str
@@ -94,6 +100,7 @@ class RecordTarget:
     rig: Rig
     mesh: str
     press: str
+    indenter: Indenter
     model_errors: tuple[float, ...]
     factor: Array
 
@@ -149,18 +156,27 @@ class RecordTarget:
         spring = self.lumped.spring
         return LumpedLaw(spring, self.lumped.prony, float(spring.force(self.position).max()))
 
-    def depth(self, values: Values) -> Array:
-        """Return the depths (m,) mm of the skin at the nodes of the path."""
+    def depth(self, law: ForceLaw, values: Values) -> Array:
+        """Return the depths (m,) mm of the skin at the nodes of the path.
+
+        The rig gives by the force of the model, not the measured one, whose noise would act as
+        motion; it is found by Newton's method with the stiffness of the instant.
+        """
+        path = self.trace.node_position - values[self.touch]
         give = self.rig.at(values, self.press)["compliance"]
-        depth = self.trace.node_position - values[self.touch]
-        if give:
-            seen = np.interp(self.trace.node_time, self.trace.time, self.force)
-            depth = depth - give * (seen - self.tare)
+        if not give:
+            return np.asarray(path)
+        seen = np.interp(self.trace.node_time, self.trace.time, self.force)
+        depth = path - give * (seen - self.tare)
+        for _ in range(NEWTON):
+            off = path - give * law.loading(self.trace.node_time, depth) - depth
+            depth = depth + off / (1 + give * slopes(law, depth) / law.prony.long_time)
         return np.asarray(depth)
 
     def model(self, law: ForceLaw, values: Values) -> Array:
         """Return the forces (n,) N that the rig would record of a finger."""
-        seen = self._late(law.loading(self.trace.node_time, self.depth(values)), values)
+        law = law.under(self.indenter)
+        seen = self._late(law.loading(self.trace.node_time, self.depth(law, values)), values)
         rig = self.rig.at(values, self.press)
         since = self.trace.time - self.record.time[self.record.touch]
         return np.asarray(seen + 1e-3 * (rig["offset"] + rig["drift"] * since))
@@ -192,9 +208,18 @@ class RecordTarget:
         base = self._noise(law(values), values)
         kernels = self._kernels(law(values), values)
         off = self.force - self.model(law(values), values)
-        least = (MESH[self.mesh], ONE_G)
+        least = self._least
         found = discrepancy.sizes(off, by_values, weight, pull, base, kernels, least)
         return replace(self, model_errors=found).about(law(values), values)
+
+    @property
+    def _least(self) -> tuple[float, float]:
+        """Least sizes of the errors of the model."""
+        return MESH[self.mesh], ONE_G
+
+    def trusting(self, law: ForceLaw, values: Values) -> Self:
+        """Return the target with the covariance of noise and the least errors of the model."""
+        return replace(self, model_errors=self._least).about(law, values)
 
     def about(self, law: ForceLaw, values: Values) -> Self:
         """Return the target with the covariance of its noise and model errors about a law."""
@@ -205,7 +230,7 @@ class RecordTarget:
 
     def reach(self, law: ForceLaw, values: Values) -> float:
         """Largest depth in mm of the record."""
-        return float(self.depth(values).max())
+        return float(self.depth(law.under(self.indenter), values).max())
 
     def misfits(self, law: ForceLaw, values: Values) -> dict[str, float]:
         """Errors of the force, in N and as fractions."""
@@ -215,6 +240,19 @@ class RecordTarget:
         of_model = {f"model error of the {name}": size for name, size in sizes.items()}
         found = {"force rms in N": rms} | errors(self.force, model) | of_model
         return {name + self.press: value for name, value in found.items()}
+
+    def fitted(
+        self, law: ForceLaw, values: Values, marks: tuple[tuple[float, str], ...]
+    ) -> PressFit:
+        """Return the press with the model of a fit; marks: as of PressFit."""
+        nodes = self.depth(law.under(self.indenter), values)
+        depth = np.interp(self.trace.time, self.trace.node_time, nodes)
+        noise = np.sqrt(np.diag(self._noise(law, values)))
+        spread = np.sqrt((self.factor**2).sum(axis=1))
+        model = self.model(law, values)
+        curves = plain(depth), plain(self.force), plain(model)
+        sds = plain(noise), plain(spread)
+        return PressFit(self.name, plain(self.trace.time), *curves, *sds, marks)
 
     def checks(self, law: ForceLaw) -> dict[str, dict[str, float]]:
         """Return none: a check is another record."""
@@ -258,10 +296,8 @@ class RecordTarget:
 
     def _noise(self, law: ForceLaw, values: Values) -> Array:
         """Covariance (n, n) N² of the averages: noise of the force, and of the position."""
-        depth = self.depth(values)
-        slope = np.zeros_like(depth)
-        inside = depth > 0
-        slope[inside] = law.slope(depth[inside])
+        law = law.under(self.indenter)
+        slope = slopes(law, self.depth(law, values))
         by_path = slope[:, None] * self.trace.to_nodes
         relaxing = hereditary_integral(law.prony, self.trace.node_time, by_path)
         by_path = self._late(relaxing / law.prony.long_time, values)
@@ -270,13 +306,22 @@ class RecordTarget:
 
     def _kernels(self, law: ForceLaw, values: Values) -> list[Array]:
         """Covariances (n, n) N² of model errors of relative size 1: of force, and of relaxation."""
-        seen = self._late(law.loading(self.trace.node_time, self.depth(values)), values)
+        law = law.under(self.indenter)
+        seen = self._late(law.loading(self.trace.node_time, self.depth(law, values)), values)
         both = np.multiply.outer(seen, seen)
         apart = np.abs(np.subtract.outer(self.position, self.position))
         since = self.trace.time - self.record.time[self.record.touch]
         late = np.log(np.maximum(since, AT_TOUCH))
         later = np.abs(np.subtract.outer(late, late))
         return [both * np.exp(-apart / LENGTH), both * np.exp(-later / SLOWLY)]
+
+
+def slopes(law: ForceLaw, depth: Array) -> Array:
+    """Return the slope (m,) N/mm of the relaxed force at depths (m,) mm, 0 without contact."""
+    slope = np.zeros_like(depth)
+    inside = depth > 0
+    slope[inside] = law.slope(depth[inside])
+    return slope
 
 
 def peak_after_corner(record: RampHold) -> float:

@@ -9,13 +9,15 @@ import numpy as np
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.calibration.record_target import RecordTarget
+from fefinger.calibration.slow_press import PLATE
 from fefinger.calibration.targets import LumpedLaw
+from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
 
 
 @dataclass(frozen=True)
 class RecordsTarget:
-    """Presses of one finger, at several speeds or depths, that share the tissue and the rig.
+    """Presses of one finger, at several speeds, depths or objects, with one tissue and one rig.
 
     Touch, offset and drift are a press's own: the finger moves between presses. The first press has
     the names without a number.
@@ -63,8 +65,9 @@ class RecordsTarget:
         )
 
     def reach(self, law: ForceLaw, values: Values) -> float:
-        """Largest depth in mm of the presses."""
-        return max(each.reach(law, values) for each in self.records)
+        """Largest depth in mm of the presses by the object of the first."""
+        first = self.records[0].indenter
+        return max(each.reach(law, values) for each in self.records if each.indenter == first)
 
     def misfits(self, law: ForceLaw, values: Values) -> dict[str, float]:
         """Errors of every press; those of the first without a number."""
@@ -96,3 +99,8 @@ def presses(target: object) -> tuple[RecordTarget, ...]:
     if isinstance(target, RecordsTarget):
         return target.records
     return (target,) if isinstance(target, RecordTarget) else ()
+
+
+def indenters(target: object) -> tuple[Indenter, ...]:
+    """Return the objects that press in the records of a target, each once, the first one first."""
+    return tuple(dict.fromkeys(each.indenter for each in presses(target))) or (PLATE,)

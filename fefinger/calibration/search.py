@@ -8,7 +8,7 @@ which the thesis's fit of simulated frames must agree with its fit of the measur
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -19,12 +19,12 @@ from fefinger.calibration.force import SHAPE, Forces
 from fefinger.calibration.inverse import Solution, solve
 from fefinger.calibration.outcome import AGREES, FitResult, outcome
 from fefinger.calibration.press_store import Work
+from fefinger.calibration.rare_faults import with_rare
 from fefinger.calibration.record import Calibration
-from fefinger.calibration.record_checks import GIVES, findings, of_motor
-from fefinger.calibration.records_target import presses, together
-from fefinger.calibration.rig import Rig
-from fefinger.calibration.slow_press import PART
+from fefinger.calibration.records_target import indenters, presses
+from fefinger.calibration.slow_press import PART, PLATE
 from fefinger.calibration.targets import Target
+from fefinger.scene.indenter import Indenter
 
 
 EXPONENTS = (0.02, 1.2, 2.8, 4.8, 7.0)
@@ -128,11 +128,10 @@ class Search:
                 spread = self._spread(result, radius, power)
                 result = self._solved(linear, radius, result, spread)
                 misfit(result.solution.misfit)
+        result = with_rare(result, work, partial(self._solved, linear, radius))
         shape = {} if self.frames is None else self._array(result)
         adapted = replace(work.finger, pad_radius=radius)
-        told = self._told(linear, radius, result)
-        found = outcome(adapted, result, work.stages, "condensed", shape, linear.ripple)
-        return replace(found, findings=told)
+        return outcome(adapted, result, work.stages, "condensed", shape, linear.ripple)
 
     def solid(self) -> Calibration:
         """Fit stiffening tissue, at the pad radius that agrees with the frames."""
@@ -140,7 +139,8 @@ class Search:
         first = radius = start.pad_radius
         has_frames = self.frames is not None or self.printed is not None
         with work.stage("solid, coarse") as misfit:
-            coarse = with_skin(work, self._wide_enough(first))
+            coarse = with_skin(work, self._wide_enough(first), self._indenters[0])
+            coarse = self._with_others(coarse)
             part = coarse.deepest / start.thickness
             result = self._solved(coarse, first)
             misfit(result.solution.misfit)
@@ -157,24 +157,46 @@ class Search:
             trial = self._on_final_mesh(coarse, radius, power, result)
             result, radius = trial.fit, trial.radius
             misfit(result.solution.misfit)
+        result = with_rare(result, work, partial(self._solved, trial.curves, radius))
         with work.stage("array"):
             shape = self._array(result) if has_frames else {}
-        told = self._told(trial.curves, radius, result)
         adapted, ripple = replace(start, pad_radius=radius), trial.curves.ripple
         fit_remarks = (*work.ended(result.law.curve.deepest), *_undetermined(radius, power))
-        found = outcome(adapted, result, work.stages, "solid", shape, ripple, fit_remarks)
-        return replace(found, findings=told)
+        return outcome(adapted, result, work.stages, "solid", shape, ripple, fit_remarks)
 
     def _wide_enough(self, radius: float) -> Family:
         """Make the coarse family, with more exponents where the best one does not suffice.
 
         That is the last of them, or one of a finger so soft that the target is beyond its presses.
         """
-        curves = row(self.work, radius, EXPONENTS)
+        curves = row(self.work, radius, EXPONENTS, self._indenters[0])
         result = self._solved(curves, radius)
         if SHAPE in result.solution.at_bounds or self._reach(result) > curves.deepest:
-            return row(self.work, radius, (*EXPONENTS, *STIFFER))
+            return row(self.work, radius, (*EXPONENTS, *STIFFER), self._indenters[0])
         return curves
+
+    @property
+    def _indenters(self) -> tuple[Indenter, ...]:
+        """Objects of the records, the one of the curves first."""
+        return indenters(self.wanted)
+
+    def _with_others(self, curves: Family) -> Family:
+        """Add the families under the other objects, at the same exponents and pad radius."""
+        others = {
+            each: with_skin(self.work, row(self.work, curves.radius, curves.shapes, each), each)
+            for each in self._indenters[1:]
+        }
+        return replace(curves, others=others)
+
+    def _others_corrected(self, curves: Family, exponent: float, radius: float) -> Family:
+        """Correct the families under the other objects by presses on the final mesh."""
+        work, others = self.work, dict(curves.others)
+        for indenter, each in curves.others.items():
+            part = each.deepest / work.finger.thickness
+            mesh = work.finger.resolution
+            press = work.press("solid", mesh, radius, exponent, part=part, indenter=indenter)
+            others[indenter] = each.corrected(press, exponent, radius)
+        return replace(curves, others=others)
 
     def _forces(self, curves: Family, radius: float, radius_sd: float | None = None) -> Forces:
         skin, rest = self.work.finger.skin.modulus, self.work.finger.subcutaneous.modulus
@@ -260,8 +282,12 @@ class Search:
         while len(trials) < CORRECTIONS:
             exponent = round(result.solution.values[SHAPE], 2)
             part = min(self._deep_enough(curves, radius, result), end) / finger.thickness
-            press = work.press("solid", finger.resolution, radius, exponent, part=part)
+            main = self._indenters[0]
+            press = work.press(
+                "solid", finger.resolution, radius, exponent, part=part, indenter=main
+            )
             curves = curves.corrected(press, exponent, radius)
+            curves = self._others_corrected(curves, exponent, radius)
             result = self._solved(curves, radius, result)
             if press.halt and self._reach(result) <= press.depth[-1]:
                 end = float(press.depth[-1])
@@ -290,22 +316,6 @@ class Search:
         deep = max(float(frames), self._reach(unlimited))
         return min(round(DEEPER * deep, 2), curves.deepest)
 
-    def _told(self, curves: Family, radius: float, result: FitResult) -> tuple[str, ...]:
-        """List the faults of records: by their residuals, and by a fit with a compliant rig."""
-        solution, records = result.solution, presses(result.target)
-        told = [
-            sentence
-            for each in records
-            for sentence in findings(each, solution.values, solution.deviations)
-        ]
-        if records and records[0].rig.compliance == Rig.compliance:
-            rig = replace(records[0].rig, compliance=(0.0, GIVES))
-            giving = together([replace(each, rig=rig) for each in records])
-            with self.work.stage("rig that gives"):
-                other = self._solved(curves, radius, replace(result, target=giving)).solution
-            told += of_motor(other.values["compliance"], other.deviations["compliance"])
-        return tuple(told)
-
     def _array(self, result: FitResult) -> dict[str, float]:
         """Parameters of the thesis's fit of simulated and of measured frames, by name."""
         names, fit = ("radius", "m", "c0_b"), pad_fit(result)
@@ -319,7 +329,9 @@ def biased(solution: Solution) -> Solution:
     return solution.widened(ONE_G_BIAS | bent)
 
 
-def row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
+def row(
+    work: Work, radius: float, exponents: tuple[float, ...], indenter: Indenter = PLATE
+) -> Family:
     """Make the coarse family of some exponents at a pad radius in mm.
 
     A family is as deep as its shallowest press, so later presses are limited to the depth of
@@ -327,15 +339,15 @@ def row(work: Work, radius: float, exponents: tuple[float, ...]) -> Family:
     """
     presses, part = {}, PART["solid"]
     for each in exponents:
-        presses[each] = work.press("solid", "coarse", radius, each, part=part)
+        presses[each] = work.press("solid", "coarse", radius, each, part=part, indenter=indenter)
         part = min(part, float(presses[each].depth[-1]) / work.finger.thickness)
     return family(exponents, radius, presses.__getitem__)
 
 
-def with_skin(work: Work, curves: Family) -> Family:
+def with_skin(work: Work, curves: Family, indenter: Indenter = PLATE) -> Family:
     """Add the effect of the skin's modulus to a coarse family, by a press of stiffer skin."""
     part = curves.deepest / work.finger.thickness
-    stiff = work.press("solid", "coarse", curves.radius, MIDDLE, AGAINST, part)
+    stiff = work.press("solid", "coarse", curves.radius, MIDDLE, AGAINST, part, indenter)
     return curves.with_ratio(stiff, MIDDLE, AGAINST)
 
 

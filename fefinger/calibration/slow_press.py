@@ -20,6 +20,7 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
@@ -69,17 +70,21 @@ class SlowPress:
 
 
 def press(
-    finger: Finger, mechanics: str, part: float | None = None, spare: float = SPARE
+    finger: Finger,
+    mechanics: str,
+    part: float | None = None,
+    spare: float = SPARE,
+    indenter: Indenter = PLATE,
 ) -> SlowPress:
     """Load the press of a finger by "condensed" or "solid" from the cache, or solve it.
 
     `part` is its depth over the thickness of the finger, default PART; `spare`: the
     tangent factorizations of `solid` beyond the usual ones.
 
-    Raises InputError if the plate cannot press the finger to that depth, and ConvergenceError if
+    Raises InputError if the object cannot press the finger to that depth, and ConvergenceError if
     fewer than 8 steps are solved.
     """
-    scene = pressed(finger, part or PART[mechanics])
+    scene = pressed(finger, part or PART[mechanics], indenter)
     place = cache.root() / "presses" / key(scene, mechanics, spare)
     stored = cache.load(place, _read)
     if stored is not None:
@@ -113,14 +118,14 @@ def small(finger: Finger) -> SlowPress:
         return press(finger, "linear")
 
 
-def pressed(finger: Finger, part: float = PART["solid"]) -> Scene:
+def pressed(finger: Finger, part: float = PART["solid"], indenter: Indenter = PLATE) -> Scene:
     """Make the scene of a press."""
     motion = Ramp(1.0, part * finger.thickness, corner=0.0)
     ask = Ask(strain=False, fields=False)
     return Scene(
         name="press",
         finger=replace(finger, prony=RELAXED),
-        indenter=PLATE,
+        indenter=indenter,
         motion=motion,
         ask=ask,
     )
@@ -198,10 +203,15 @@ def _steps(scene: Scene, response: Response, mechanics: str) -> Integers:
 
 
 def array_pressure(scene: Scene, response: Response) -> Array:
-    """Compute the readings (n_t, 64) kPa of the array, centered on the last center of pressure."""
+    """Compute the readings (n_t, 64) kPa of the array, centered on the last center of pressure.
+
+    Zeros under an object that is no plate, on which no array lies.
+    """
     assert response.pad is not None
     assert response.pressure is not None
     pad, pressure = response.pad, response.pressure
+    if scene.indenter.flat is None:
+        return np.zeros((len(pressure), len(ArraySensor().positions)))
     points = plane(scene.indenter, pad.points)
     loads = pressure[-1] * pad.areas
     points = points - loads @ points / loads.sum()

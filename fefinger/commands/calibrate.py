@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,6 +14,7 @@ from fefinger.commands.console import json_option, output_option
 if TYPE_CHECKING:
     from fefinger.calibration.rig import Rig
     from fefinger.scene.finger import Finger
+    from fefinger.scene.indenter import Indenter
 
 NO_TISSUE = "no tissue.toml is written: t(u) scales the force, not a tissue; use --mechanics solid"
 
@@ -52,6 +54,14 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 @click.option("--check", metavar="FILE", help="Record of a press or motion to predict, not to fit.")
 @column_option
 @click.option("--rig", metavar="FILE", help="TOML file of what the rig does, such as its delay.")
+@click.option(
+    "--indenter",
+    "objects",
+    multiple=True,
+    metavar="TABLE",
+    help="What pressed, as 'kind=\"sphere\", radius=5' or 'angle=0'; once, or for each DATA and "
+    "then --check; by default the plate at 30 degrees.",
+)
 @click.option("--delay", type=float, help="Time in ms by which the force is late; else fitted.")
 @click.option("--design", is_flag=True, help="Say what presses would tell, before the experiment.")
 @click.option(
@@ -62,7 +72,7 @@ def _named(context: object, option: object, given: tuple[str, ...]) -> dict[str,
 @click.option(
     "--resolution", default="standard", help="Mesh of the last step: coarse, standard, fine."
 )
-@output_option("calibration.json and, by solid, tissue.toml")
+@output_option("calibration.json, its page and, by solid, tissue.toml")
 @json_option
 def calibrate(
     data: tuple[str, ...],
@@ -74,6 +84,7 @@ def calibrate(
     check: str | None,
     columns: dict[str, str],
     rig: str | None,
+    objects: tuple[str, ...],
     delay: float | None,
     design: bool,
     mechanics: str,
@@ -83,17 +94,19 @@ def calibrate(
 ) -> None:
     """Fit the tissue of a finger to a ramp and hold.
 
-    DATA.csv is your own record of a plate at 30 degrees to the bone, with the columns time,
-    position and force, in any order and unit: text, .lvm, .mat or HDF5. Several presses of one
-    finger, at other speeds or depths, are fitted together. Solved presses are cached:
-    an interrupted calibration continues where it stopped. On a coarse mesh solid takes some 1.5
-    minutes of CPU and condensed 15 s; on the standard mesh solid takes longer, by one to six
-    presses.
+    DATA.csv is your own record of a plate at 30 degrees to the bone, or of --indenter, with the
+    columns time, position and force, in any order and unit: text, .lvm, .mat or HDF5. Several
+    presses of one finger, at other speeds or depths or by other objects, are fitted together.
+    Solved presses are cached: an interrupted calibration continues where it stopped. On a coarse
+    mesh solid takes some 1.5 minutes of CPU for each object and condensed 15 s; on the standard
+    mesh solid takes longer, by one to six presses.
     """
     from fefinger.calibration import calibrate as calibration
-    from fefinger.calibration.record import keep_others
+    from fefinger.calibration.record import PAGE_FILE, keep_others
     from fefinger.calibration.rig import Rig
+    from fefinger.calibration.slow_press import PLATE
     from fefinger.calibration.targets import finger_of
+    from fefinger.pages import calibration_page
     from fefinger.results.candidate import MECHANICS
     from fefinger.support import outputs
     from fefinger.support.checks import InputError
@@ -118,6 +131,7 @@ def calibrate(
         return
     how: dict[str, Any] = {
         "rig": of_rig,
+        "indenter": [_object(each) for each in objects] or PLATE,
         "mechanics": mechanics,
         "resolution": resolution,
         "columns": columns,
@@ -134,12 +148,37 @@ def calibrate(
             told = console.with_files(repr(found), record)
             return told if MECHANICS[found.mechanics].finite else f"{told}\n{NO_TISSUE}"
 
+        def save() -> list[str]:
+            if folder is None:
+                return []
+            files = [*found.save(folder), str(folder / PAGE_FILE)]
+            calibration_page.write(found, files[-1])
+            return files
+
         console.save_and_print(
-            lambda: [] if folder is None else found.save(folder),
+            save,
             lambda files: {"calibrations": [found.record()], "files": files},
             text,
             as_json=as_json,
         )
+
+
+def _object(text: str) -> "Indenter":
+    """Return the object of a TOML table without its braces."""
+    import tomllib
+
+    from fefinger.scene.toml import indenter_of
+    from fefinger.support.checks import InputError
+    from fefinger.support.inputs import parse_toml
+
+    try:
+        table = parse_toml("--indenter", f"object = {{{text}}}")["object"]
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            f'--indenter: expected keys of an object, such as kind="sphere", radius=5, received '
+            f"{text!r}: {error}"
+        ) from None
+    return indenter_of(table, Path())
 
 
 def _design(finger: "Finger", rig: "Rig", *, as_json: bool) -> None:

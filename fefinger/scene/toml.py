@@ -134,7 +134,7 @@ def parts(table: Mapping[str, object], folder: Path | None) -> dict[str, Any]:
         sub["ask"].pop("solver", None)
     arguments: dict[str, Any] = {
         "finger": _finger(sub["finger"], folder),
-        "indenter": _indenter(sub["indenter"], folder or Path()),
+        "indenter": indenter_of(sub["indenter"], folder or Path()),
         "motion": _motion(sub["motion"], folder or Path()),
         "ask": _ask(sub["ask"]),
     }
@@ -291,7 +291,8 @@ def _ask(table: dict[str, object]) -> Ask:
     return cast(Ask, _record(Ask, "ask", table))
 
 
-def _indenter(table: dict[str, Any], folder: Path) -> Indenter:
+def indenter_of(table: dict[str, Any], folder: Path) -> Indenter:
+    """Make the object of a table [indenter]; InputError for another kind, or wrong keys."""
     kind = table.pop("kind", Flat.kind)
     try:
         choice("indenter.kind", kind, INDENTERS, OBJECTS)

@@ -10,6 +10,7 @@ from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.calibration.curve import family
 from fefinger.calibration.slow_press import SlowPress
 from fefinger.scene import library
+from fefinger.scene.indenters import Sphere
 
 
 def made(exponent=1.0, radius=14.0, ratio=1.0, count=24, deepest=1.8):
@@ -68,16 +69,30 @@ def linear():
     return family((1.0,), 14.0, lambda _: made(0.0, count=400))
 
 
+def ball_press(exponent, radius, ratio=1.0):
+    """Return a press by a ball: of its radius, and stiffening twice as the plate's."""
+    return made(2 * exponent, radius, ratio, deepest=2.0)
+
+
+@pytest.fixture(scope="session")
+def ball_law():
+    """Return the function that makes the family under a ball of a radius in mm."""
+    exponents = (0.02, 1.5, 3.0, 5.0, 7.0)
+    return lambda radius: family(exponents, 14.0, lambda each: ball_press(each, radius))
+
+
 @pytest.fixture
 def solved(monkeypatch):
     """Let every press be the formula; return the list of what was asked."""
     asked = []
 
-    def answer(finger, mechanics, part=None, spare=None):
+    def answer(finger, mechanics, part=None, spare=None, indenter=None):
         small = mechanics == "condensed"
         exponent = 0.0 if small else finger.subcutaneous.exponent
         ratio = finger.skin.modulus / finger.subcutaneous.modulus / library.SKIN_RATIO
         asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
+        if isinstance(indenter, Sphere):
+            return ball_press(exponent, indenter.radius, ratio)
         return made(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
 
     monkeypatch.setattr(press_store, "press", answer)

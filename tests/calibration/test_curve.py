@@ -23,6 +23,22 @@ def test_a_curve_is_the_press_and_its_slope_and_inverse_are_its_own(count, formu
     assert found.force([-1.0, 0.0]).tolist() == [0, 0]
 
 
+@pytest.mark.parametrize("deepest", [1.2, 2.2])
+def test_a_curve_is_a_layer_under_a_ball_however_deep_the_press_is(deepest, formula):
+    """By Dimitriadis et al. (2002), bonded, 6 mm thick, under a ball of 14 mm: chi up to 0.9."""
+
+    def force(x):
+        chi = np.sqrt(14.0 * x) / 6.0
+        more = 1 + 1.133 * chi + 1.283 * chi**2 + 0.769 * chi**3 + 0.0975 * chi**4
+        return 0.1 * x**1.5 * more
+
+    press = formula(deepest=deepest)
+    found, apart = curve(replace(press, force=force(press.depth)))
+    assert apart < 5e-4
+    x = np.linspace(0.05, deepest, 60)
+    np.testing.assert_allclose(found.force(x), force(x), rtol=5e-4)
+
+
 def test_beyond_the_press_the_logarithm_goes_on_straight(formula):
     found, _ = curve(formula(2.0))
     near, far = np.log(found.force([1.8, 1.9])), np.log(found.force([2.3, 2.4]))

@@ -5,7 +5,8 @@ import pytest
 
 from fefinger.calibration import record_file
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.record_checks import findings, of_motor
+from fefinger.calibration.record_checks import findings, told
+from fefinger.calibration.rig import Rig
 from fefinger.theory.relaxation import Prony
 
 
@@ -46,9 +47,9 @@ def begun_late(table):
 
 FAULTS = {
     "none": (lambda t: t, {}, ()),
-    "late": (lambda t: t, {"delay": 1.98}, ("the force is 1.98 +- 0.05 ms late",)),
-    "offset": (lambda t: t, {"offset": -20.0}, ("the force reads -20 +- 0.05 mN without",)),
-    "drift": (lambda t: t, {"drift": 8.0}, ("the force drifts by 8 +- 0.05 mN/s",)),
+    "late": (lambda t: t, {"delay": 1.98}, ("late force: ", "1.98 +- 0.05 ms")),
+    "offset": (lambda t: t, {"offset": -20.0}, ("offset: ", "-20 +- 0.05 mN")),
+    "drift": (lambda t: t, {"drift": 8.0}, ("drift: ", "8 +- 0.05 mN/s")),
     "two touches": (touched_before, {}, ("two touches: 0.3 N already at 0.03",)),
     "slip": (slipped, {}, ("slip: the force falls by",)),
     "saturated": (saturated, {}, ("saturated sensor: ",)),
@@ -64,13 +65,19 @@ def test_a_fault_is_told_and_no_other(law, spoil, values, words):
     found = findings(target, FIT | values, SURE)
     assert len(found) == bool(words)
     for word in words:
-        assert word in found[0]
+        assert word in found[0].text
 
 
-def test_a_press_of_several_is_named_and_a_give_told(law):
-    target = record_file.made("twin", *press(law).T, "coarse", press=" 2")
-    values = FIT | {"offset 2": 30.0, "drift 2": 0.0, "x0 2": 0.4}
-    (told,) = findings(target, values, SURE | dict.fromkeys(values, 0.05))
-    assert told.startswith("press 2: the force reads 30 ")
-    assert of_motor(0.01, 0.01) == ()
-    assert "includes 0.04 +- 0.01 mm/N of the rig's own give" in of_motor(0.04, 0.01)[0]
+def test_a_press_of_several_is_named_and_what_they_share_is_told_once(law):
+    rig = Rig(compliance=(0.0, 0.05), lag=(0.0, 2.0))
+    values = {"offset 2": 30.0, "drift 2": 0.0, "x0 2": 0.4, "compliance": 0.04, "lag": 3.0}
+    values |= FIT | {"delay": 2.0, "offset": 0.0}
+    sure = dict.fromkeys(values, 0.005)
+    first, second = (
+        record_file.made("twin", *press(law).T, "coarse", rig, press=each) for each in ("", " 2")
+    )
+    (one,) = told(second, findings(second, values, sure))
+    assert one.startswith("press 2: offset: the force reads 30 ")
+    found = [each.name for each in findings(first, values, sure)]
+    assert found == ["late force", "low-pass", "position of the motor"]
+    assert findings(first, values | {"compliance": 0.01, "lag": 0.01}, sure)[1:] == ()

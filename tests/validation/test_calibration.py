@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pytest
 from fefinger.validation.calibration import (
+    coverage_page,
     report,
     sensitivity,
     sensitivity_figures,
@@ -144,3 +145,20 @@ def test_assumptions_on_the_finger_are_drawn_and_a_table_tells_what_each_would_c
     assert [row[0] for row in told["rows"]] == [each["lever"] for each in rows]
     assert told["rows"][1][5] == "11 (+10 %)"
     assert {len(row) for row in sessions["rows"]} == {1, len(sessions["heading"])}
+
+
+def test_ranks_are_level_where_deviations_are_right_and_hold_what_intervals_hold(tmp_path):
+    """Of normal scores; twice as narrow deviations leave 67 % in their 95 % intervals."""
+    scores = np.random.default_rng(0).normal(size=4000)
+    counts, _ = np.histogram(coverage_page.ranks(scores), np.linspace(0, 1, 11))
+    assert np.abs(counts - 400).max() < 4 * np.sqrt(400 * 0.9)
+    assert coverage_page.covered(scores) == pytest.approx(0.95, abs=0.014)
+    assert coverage_page.covered(2 * scores) == pytest.approx(0.673, abs=0.03)
+    assert coverage_page.ranks([5.0])[0] < 1e-6  # the truth is far below the fit
+    rows = [{"solid": False, "scores": {"modulus": each}} for each in scores[:50].tolist()]
+    rows.append({"solid": False, "refused": "no hold"})
+    made = {"command": "c", "commit": "a", "date": "d", "rows": rows}
+    coverage_page.write(made, tmp_path / "coverage.html")
+    html = (tmp_path / "coverage.html").read_text(encoding="utf-8")
+    assert "50 records were calibrated, 1 refused" in html
+    assert "coverage.json" in html

@@ -1,11 +1,12 @@
 """Fingers, rigs and protocols drawn from stated distributions, and their calibration.
 
-The fingers are of two sizes. Their force is that of presses by `solid` between the exponents that
-were solved, with an error of the mesh; some are stepped by `solid` itself, whose stress relaxes in
-every element. What is drawn is what the priors of the fit say, where it has any.
+The force of a finger is that of presses by `solid` between the exponents that were solved, with the
+errors of the mesh and of one G that a fit counts with; some are stepped by `solid` itself, whose
+stress relaxes in every element. What is drawn is what the priors of the fit say, where it has any.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -17,12 +18,18 @@ from fefinger.validation.calibration.rigs import REST, Faults, Press, solid_pres
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.curve import Family, ForceLaw, family
-from fefinger.calibration.force import RATE_SD, RATIO_SD, SHARE_SD
+from fefinger.calibration.force import RATE_SD, RATIO_SD, SHAPE, SHARE_SD
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.record_target import LENGTH, MESH
 from fefinger.calibration.rig import Rig
-from fefinger.calibration.search import AGAINST, EXPONENTS, MIDDLE
+from fefinger.calibration.search import (
+    AGAINST,
+    EXPONENTS,
+    MIDDLE,
+    ONE_G_BIAS,
+    STIFFENING_BIAS,
+)
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
@@ -110,8 +117,9 @@ def press_of(draw: Drawn, seed: int, *, by_solid: bool) -> Press:
             truth["x0"],
             draw.rate,
         )
-    finger = curves().at(truth["exponent"], start().pad_radius, draw.ratio)
-    law = ForceLaw(finger, draw.prony, truth["modulus"] / start().subcutaneous.modulus)
+    off = _of_one_g(np.random.default_rng([seed, 8]))
+    finger = curves().at(off[SHAPE] * truth["exponent"], start().pad_radius, draw.ratio)
+    law = ForceLaw(finger, _bent(draw.prony, off), truth["modulus"] / start().subcutaneous.modulus)
     ends = draw.depth / draw.speed
     grid = np.concatenate(
         [np.linspace(0, ends, NODES), ends + np.geomspace(1e-5, draw.hold, NODES)]
@@ -123,6 +131,20 @@ def press_of(draw: Drawn, seed: int, *, by_solid: bool) -> Press:
     time = np.arange(0.0, begins + ends + draw.hold, 1 / draw.rate)
     position = np.clip(draw.speed * (time - REST), 0.0, truth["x0"] + draw.depth)
     return Press(time, position, np.append(0.0, begins + grid), np.append(0.0, force))
+
+
+def _of_one_g(rng: np.random.Generator) -> dict[str, float]:
+    """Draw the factors on exponent and relaxation by which a law of one G is off, by name."""
+    deviations = ONE_G_BIAS | {SHAPE: STIFFENING_BIAS}
+    return {name: math.exp(sd * rng.normal()) for name, sd in deviations.items()}
+
+
+def _bent(prony: Prony, off: Mapping[str, float]) -> Prony:
+    """Return G with factors on rates, and on weights over the relaxed one."""
+    c = [prony.weights[0]]
+    c += [each * off[f"c{i}/c0"] for i, each in enumerate(prony.weights[1:], start=1)]
+    rates = (v * off.get(f"v{i}", 1.0) for i, v in enumerate(prony.v, start=1))
+    return Prony(tuple(each / sum(c) for each in c), tuple(rates))
 
 
 def _walk(depth: Array, rng: np.random.Generator) -> Array:
