@@ -38,6 +38,7 @@ ABOUT = suites.ABOUT | {
     "bench-pressed": "Speed of tabulated finite strain: a table, a scene, a step.",
     "calibrated-means": "The finger calibrated on the mean curves of the subjects.",
     "evidence": "Presses, factors of stated errors and costs in one layout; the planner reads it.",
+    "agreement": "Whether stated intervals of mechanics that answer one scene overlap.",
     "strain-types": "Errors of the strain at the end organs of each type of afferent.",
     "pressed-error": "Errors of tabulated finite strain against `solid`.",
     "held-out": "Stated errors against scenes that no rule was fitted to; suite tradeoff.",

@@ -110,8 +110,9 @@ class Family(ABC):
         """
         from fefinger.neural.drives import driven_displacements
 
-        chosen = {**self.drives, **drives}
-        return driven_displacements(strain, normals, types, chosen, self.lengths)
+        with own(f"family {self.name!r}", type(self).__module__):
+            chosen = {**self.drives, **drives}
+            return driven_displacements(strain, normals, types, chosen, self.lengths)
 
     def fire(self, time: Array, drive: Array, **options: Any) -> "SpikeTrains":
         """Simulate units; arguments as in `recorded.simulate_recorded`.

@@ -13,7 +13,7 @@ import re
 import sys
 import traceback
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -124,8 +124,6 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
 
     def guarded(self, name: str) -> AbstractContextManager[None]:
         """Turn what fails in a thing of a user's own into an InputError; see `own`."""
-        if name in self.shipped:
-            return nullcontext()
         return own(f"{self.what} {name!r}", self.origin(self[name])[0])
 
     def modules(self) -> set[str]:
@@ -290,14 +288,16 @@ def _check_beside(name: str, folder: Path | None) -> None:
 def own(who: str, module: str) -> Iterator[None]:
     """Turn what fails in a user's own code into an InputError with its name, and the line.
 
-    who: the thing in the message; module: the one that defines it. Interrupts, a lack of memory
-    and errors in a sentence go on.
+    who: the thing in the message; module: the one that defines it. Interrupts, a lack of memory,
+    errors in a sentence and those of the package's own things go on.
     """
     try:
         yield
     except (KeyboardInterrupt, MemoryError, InputError, ConvergenceError):
         raise
     except BaseException as error:  # also SystemExit of a script that was meant to be run
+        if module.startswith("fefinger."):
+            raise
         steps = traceback.walk_tb(error.__traceback__)
         lines = [line for frame, line in steps if frame.f_globals.get("__name__") == module]
         where = f" (line {lines[-1]} of {module})" if lines else ""

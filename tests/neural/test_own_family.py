@@ -78,6 +78,12 @@ def test_spikes_that_cannot_be_are_refused(monkeypatch, spikes, sentence):
         Rising().fire(TIME, TIME[:, None], types=("SAI",))
 
 
+def test_drives_of_another_type_are_an_error_of_the_family(monkeypatch):
+    monkeypatch.setattr(Rising, "drives", 5)
+    with pytest.raises(InputError, match="family 'rising' failed with TypeError"):
+        Rising().x_in(np.zeros((2, 1, 3, 3)), np.ones((1, 3)), ("SAI",), None, {})
+
+
 def test_names_that_are_unknown_or_taken_are_refused(monkeypatch):
     with refused("ask.afferents"):
         ff.Ask(afferents="rising")

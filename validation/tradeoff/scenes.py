@@ -64,7 +64,7 @@ def held_out(
     for number in range(count):
         kind = objects[number % len(objects)]
         finger, whose = _finger(rng, published=bool(number // 2 % 2))
-        indenter = _object(rng, kind)
+        indenter = object_of(rng, kind)
         steep = indenter.flat is not None and indenter.flat.angle > STEEP
         deepest = finger.thickness * (STEEP_DEEPEST if steep else DEEPEST[kind])
         name = f"{whose}, {kind}"
@@ -86,7 +86,8 @@ def _finger(rng: np.random.Generator, *, published: bool) -> tuple[Finger, str]:
     return Finger(width, thickness), f"{width:g} x {thickness:g} mm"
 
 
-def _object(rng: np.random.Generator, kind: str) -> Indenter:
+def object_of(rng: np.random.Generator, kind: str) -> Indenter:
+    """Return an object of a kind at random."""
     if kind == "plate":
         return Flat(round(float(rng.uniform(0.0, 60.0)), 1))
     if kind == "tilted":
