@@ -1,11 +1,14 @@
 """Compiled functions: kept as long as their sources are the same, and said where they cannot be."""
 
+import gc
 import importlib
 import os
 import subprocess
 import sys
 
 import pytest
+from numba.core import event
+from numba.core.errors import NumbaError
 
 from fefinger.__main__ import main
 from fefinger.result import Result
@@ -48,6 +51,24 @@ def test_without_a_folder_code_is_compiled_every_time_and_it_is_said(script):
 def test_code_is_kept_in_the_cache_where_that_can_be_written(script, tmp_path):
     assert printed(script, tmp_path / "cache") == "9"
     assert list((tmp_path / "cache").rglob("*.nbi"))
+
+
+def test_no_garbage_is_collected_while_a_function_is_compiled():
+    seen = []
+
+    class Watch(event.Listener):
+        def on_start(self, _):
+            seen.append(gc.isenabled())
+
+        def on_end(self, _):
+            pass
+
+    with event.install_listener("numba:compile", Watch()):
+        assert compiled.njit()(lambda x: x + 1)(1) == 2
+        with pytest.raises(NumbaError):
+            compiled.njit()(lambda x: x.none)(1)
+    assert seen == [False, False]
+    assert gc.isenabled()
 
 
 CALLER = """
