@@ -49,6 +49,12 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return LoadFileScheduling(config, log)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """Share the work of compiling the test modules."""
+    recomputed.compile_share(rewrite, session.config)
+
+
 def pytest_collection_finish() -> None:
     """Keep what is there for good, some million objects, out of every collection of garbage."""
     gc.collect()

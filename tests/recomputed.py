@@ -56,6 +56,24 @@ def install(rewrite: ModuleType) -> None:
     rewrite.PYC_TAIL = f".{version:08x}{rewrite.PYC_TAIL}"  # of the files of compiled modules
 
 
+def compile_share(rewrite: ModuleType, config: Any) -> None:
+    """Compile a part of the test modules, another one in each process of `pytest -n`.
+
+    All processes import all modules, and would compile all of them side by side.
+    """
+    process = getattr(config, "workerinput", None)
+    if process is None or config.args != config.getini("testpaths"):
+        return
+    files = sorted(Path(__file__).parent.rglob("test_*.py"))
+    first = int(process["workerid"].removeprefix("gw"))
+    for file in files[first :: process["workercount"]]:
+        folder = rewrite.get_cache_dir(file)
+        kept = folder / (file.stem + rewrite.PYC_TAIL)
+        if rewrite.try_makedirs(folder) and rewrite._read_pyc(file, kept) is None:
+            of_file, code = rewrite._rewrite_test(file, config)
+            rewrite._write_pyc(config.stash[rewrite.assertstate_key], code, of_file, kept)
+
+
 def watch(tree: ast.Module, source: str) -> None:
     """Replace the comparisons in a module by calls of `compare`, except for the marked ones."""
     lines = source.splitlines()
