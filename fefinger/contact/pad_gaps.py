@@ -192,45 +192,89 @@ def jumped(
     rotation (b, 3, 3) and place (b, 3) mm of the objects, turned and was those before. On the way
     the center moves straight on while the object turns about it, by less than half a turn.
     """
+    axis = np.empty(3)
     for b in range(len(shapes.kind)):
-        path = place[b] - was[b]
-        axis, angle = _turn(turned[b], rotation[b])
-        arm = 0.0  # to the farthest skin
-        for j in range(len(pad.areas)):
+        angle, path, arm = _turn(turned[b], rotation[b], axis), 0.0, 0.0
+        for c in range(3):
+            path += (place[b, c] - was[b, c]) ** 2
+        for j in range(len(pad.areas)):  # arm: to the farthest skin
             x, y = pad.points[j, 0] - place[b, 0], pad.points[j, 1] - place[b, 1]
             z = pad.points[j, 2] - place[b, 2]
             arm = max(arm, x * x + y * y + z * z)
-        parts = int(2.0 * (np.sqrt((path * path).sum()) + angle * np.sqrt(arm)) / deepest)
+        parts = int(2.0 * (np.sqrt(path) + angle * np.sqrt(arm)) / deepest)
         for k in range(1, parts):
-            at, back = was[b] + k / parts * path, _about(axis, -k / parts * angle)
-            to_object = turned[b].T @ back
-            for j in range(len(pad.areas)):
-                local = to_object @ (pad.points[j] - at)
-                if distance(shapes, b, local[0], local[1], local[2])[0] < -deepest:
-                    return True
+            if _pierced(
+                pad, shapes, b, turned[b], was[b], place[b], axis, angle, k / parts, deepest
+            ):
+                return True
     return False
 
 
 @njit(cache=True)
-def _turn(before: Array, now: Array) -> tuple[Array, float]:
-    """Return axis (3,) and angle in rad, 0 to pi, of the turn between two rotations (3, 3)."""
-    q = now @ before.T
-    w = 0.5 * np.array([q[2, 1] - q[1, 2], q[0, 2] - q[2, 0], q[1, 0] - q[0, 1]])
-    sine, cosine = np.sqrt((w * w).sum()), 0.5 * (q[0, 0] + q[1, 1] + q[2, 2] - 1.0)
-    if sine == 0.0 and cosine > 0.0:
-        return np.array([0.0, 0.0, 1.0]), 0.0
-    axis = w
-    if cosine < 0.0:  # near half a turn the sine says little: (1 - cosine) a a' does
-        outer = 0.5 * (q + q.T) - cosine * np.eye(3)
-        axis = outer[:, np.argmax(np.diag(outer))].copy()
-        if (axis * w).sum() < 0.0:
-            axis = -axis
-    return axis / np.sqrt((axis * axis).sum()), np.arctan2(sine, cosine)
+def _pierced(
+    pad: Pad,
+    shapes: Shapes,
+    b: int,
+    turned: Array,
+    was: Array,
+    place: Array,
+    axis: Array,
+    angle: float,
+    part: float,
+    deepest: float,
+) -> bool:
+    """Whether object `b` is deeper than `deepest` mm in the skin after a part of its way."""
+    sine, cosine = np.sin(part * angle), np.cos(part * angle)
+    x, y, z = axis
+    local = np.empty(3)
+    for j in range(len(pad.areas)):
+        u = pad.points[j, 0] - was[0] - part * (place[0] - was[0])
+        v = pad.points[j, 1] - was[1] - part * (place[1] - was[1])
+        w = pad.points[j, 2] - was[2] - part * (place[2] - was[2])
+        along = (1.0 - cosine) * (x * u + y * v + z * w)
+        # Back about the axis (Rodrigues), then to the frame of the object before.
+        p = cosine * u - sine * (y * w - z * v) + along * x
+        q = cosine * v - sine * (z * u - x * w) + along * y
+        r = cosine * w - sine * (x * v - y * u) + along * z
+        for c in range(3):
+            local[c] = turned[0, c] * p + turned[1, c] * q + turned[2, c] * r
+        if distance(shapes, b, local[0], local[1], local[2])[0] < -deepest:
+            return True
+    return False
 
 
 @njit(cache=True)
-def _about(axis: Array, angle: float) -> Array:
-    """Return the rotation (3, 3) by an angle in rad about an axis (3,)."""
-    x, y, z = axis
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * (skew @ skew)
+def _turn(before: Array, now: Array, axis: Array) -> float:
+    """Set the axis (3,) of the turn between two rotations (3, 3); return its angle, 0 to pi.
+
+    In loops: products of arrays and their copies take seconds to compile.
+    """
+    q = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(3):
+            for k in range(3):
+                q[i, j] += now[i, k] * before[j, k]
+    square = 0.0
+    for c in range(3):
+        d, e = (c + 1) % 3, (c + 2) % 3
+        axis[c] = 0.5 * (q[e, d] - q[d, e])
+        square += axis[c] * axis[c]
+    sine, cosine = np.sqrt(square), 0.5 * (q[0, 0] + q[1, 1] + q[2, 2] - 1.0)
+    if sine == 0.0 and cosine > 0.0:
+        axis[0], axis[1], axis[2] = 0.0, 0.0, 1.0
+        return 0.0
+    if cosine < 0.0:  # near half a turn the sine says little: (1 - cosine) a a' does
+        k, toward = 0, 0.0
+        for c in range(1, 3):
+            k = c if q[c, c] > q[k, k] else k
+        column = np.empty(3)
+        for c in range(3):
+            column[c] = 0.5 * (q[c, k] + q[k, c]) - (cosine if c == k else 0.0)
+            toward += column[c] * axis[c]
+        square = 0.0
+        for c in range(3):
+            axis[c] = -column[c] if toward < 0.0 else column[c]
+            square += axis[c] * axis[c]
+    for c in range(3):
+        axis[c] /= np.sqrt(square)
+    return np.arctan2(sine, cosine)

@@ -75,13 +75,29 @@ def _history(pad: Pad, terms: Array, elastic: Array, dt: float, past: Array) -> 
 
 
 @njit(cache=True)
-def _store(pad: Pad, terms: Array, elastic: Array, new: Array, dt: float) -> None:
-    """Update the internal variables with the elastic traction (3n,) at the end of a step."""
+def _store(
+    pad: Pad, s: Worlds, w: int, traction: Array, m: Work, g: float, t: float, dt: float
+) -> None:
+    """Update the internal variables of a world with the traction (3n,) at the end of a step."""
+    terms, elastic = s.terms[w], s.elastic[w]
     for k in range(len(pad.rates)):
         part, decay = gain(pad.weights[k], pad.rates[k], dt), np.exp(-pad.rates[k] * dt)
-        for j in range(len(new)):
-            terms[k, j] = decay * terms[k, j] + part * (new[j] - elastic[j])
-    elastic[:] = new
+        for j in range(len(traction)):
+            rise = (traction[j] - m.past[j]) / g - elastic[j]
+            terms[k, j] = decay * terms[k, j] + part * rise
+    for j in range(len(traction)):
+        elastic[j] = (traction[j] - m.past[j]) / g
+        s.linear[w, j] = elastic[j] / t
+
+
+@njit(cache=True)
+def _put(s: Worlds, w: int, rotation: Array, place: Array) -> None:
+    """Make poses of the objects, (b, 3, 3) and (b, 3), the last ones of a world."""
+    for b in range(len(place)):
+        for c in range(3):
+            s.place[w, b, c] = place[b, c]
+            for e in range(3):
+                s.rotation[w, b, c, e] = rotation[b, c, e]
 
 
 @njit(cache=True)
@@ -263,7 +279,7 @@ def prepare(
     moved(compliance, m.past, m, m.moved)
     if len(m.offset) > len(m.gap):  # with friction
         if not s.stepped[w]:  # an object comes to be where it is without having slid there
-            s.rotation[w], s.place[w] = rotation, place
+            _put(s, w, rotation, place)
         frames(out.frame[w], m)
         moved(compliance, s.linear[w], m, m.held)
     return g, stiffening(move.factors, pad, out.frame[w, 0], m)
@@ -306,11 +322,10 @@ def accept(
     """Read the solution x, F x = `product`, of a world, and make it its state."""
     _finish(pad, x, product, s, out, w, m, g * t)
     _read(pad, x, out, w, mu, m, move.deepest)
-    s.x[w] = x
-    new = (out.traction[w].reshape(-1) - m.past) / g
-    _store(pad, s.terms[w], s.elastic[w], new, move.dt)
-    s.linear[w] = new / t
-    s.rotation[w], s.place[w] = move.rotation[w], move.place[w]
+    for j in range(len(x)):
+        s.x[w, j] = x[j]
+    _store(pad, s, w, out.traction[w].reshape(-1), m, g, t, move.dt)
+    _put(s, w, move.rotation[w], move.place[w])
     s.stepped[w] = True
     out.stiffness[w] = g * t
 
@@ -341,7 +356,8 @@ def step_without_friction(
             activate(solver, s.x[w], s.active[w], m.near)
         if active_set.solve(solver, m.offset, COMPLEMENTARITY) != DONE:
             out.verdict[w] = UNSOLVED
-            activate(solver, s.x[w], s.active[w], np.zeros_like(m.near))
+            m.near[:] = False
+            activate(solver, s.x[w], s.active[w], m.near)
             continue
         accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, 0.0)
 

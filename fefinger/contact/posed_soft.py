@@ -5,8 +5,6 @@ less deep in the object than at the pose of a rigid one; the factor t and what i
 are those of the skin alone, so that t is found with the pressure.
 """
 
-import numpy as np
-
 from fefinger.contact import active_set
 from fefinger.contact.active_set import DONE, ENDLESS, LcpState
 from fefinger.contact.pad_worlds import UNSOLVED, Moves, Pad, Readings, Softness, Work, Worlds
@@ -119,6 +117,7 @@ def step_with_soft_objects(
         outcome, t = _solve(solver, pad, soft, move, s, out, m, w, g, t)
         if outcome != DONE:
             out.verdict[w] = UNSOLVED
-            activate(solver, s.x[w], s.active[w], np.zeros_like(m.near))
+            m.near[:] = False
+            activate(solver, s.x[w], s.active[w], m.near)
             continue
         accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, 0.0)
