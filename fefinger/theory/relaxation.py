@@ -7,6 +7,7 @@ checks.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -192,11 +193,24 @@ def hereditary_integral(prony: Prony, time: ArrayLike, signal: ArrayLike) -> NDA
     terms = np.empty((len(time), len(prony.v), flat.shape[1]))
     # At rest before: the first value is a jump, which every exponential takes whole.
     terms[0] = flat[0]
-    for before, after, fading, more in zip(terms, terms[1:], decay, added, strict=False):
-        np.multiply(fading, before, out=after)
-        after += more
+    if flat.shape[1] == 1:
+        for k in range(len(prony.v)):
+            terms[:, k, 0] = list(recursion(decay[:, k, 0], added[:, k, 0], float(flat[0, 0])))
+    else:
+        for before, after, fading, more in zip(terms, terms[1:], decay, added, strict=False):
+            np.multiply(fading, before, out=after)
+            after += more
     out = weights[0] * flat + np.tensordot(weights[1:], terms, (0, 1))
     return out.reshape(signal.shape)
+
+
+def recursion(
+    decay: NDArray[np.float64], gain: NDArray[np.float64], start: float
+) -> Iterable[float]:
+    """Yield q_0 = start and q_(n+1) = decay_n q_n + gain_n."""
+    # Lists of floats: step by step, Python is faster on them than on numpy scalars.
+    pairs = zip(decay.tolist(), gain.tolist(), strict=True)
+    return accumulate(pairs, lambda q, pair: pair[0] * q + pair[1], initial=start)
 
 
 def checked_signal(

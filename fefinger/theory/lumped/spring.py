@@ -5,16 +5,21 @@ Forces are exact for positions that are linear between samples. Eq. 2.3 holds in
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
-from fefinger.theory.relaxation import Prony, checked_signal, creep_integral, exprel
+from fefinger.theory.relaxation import (
+    Prony,
+    checked_signal,
+    creep_integral,
+    exprel,
+    recursion,
+)
 
 
 LARGEST = 600.0
@@ -105,7 +110,7 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     start = float(spring.force(position[0]))
     total = weights[0] * spring.force(position)
     for weight, keep, add in zip(weights[1:], decay.T, gain.T, strict=True):
-        total += weight * np.fromiter(_recursion(keep, add, start), float, len(time))
+        total += weight * np.fromiter(recursion(keep, add, start), float, len(time))
     return total
 
 
@@ -187,10 +192,3 @@ def _gains(spring: Spring, prony: Prony, time: Array, position: Array) -> tuple[
     gain = gain * np.exp(np.maximum(growth, -within) - np.multiply.outer(after, rates))
     gain = gain * exprel(-np.abs(growth + within))
     return np.exp(-np.multiply.outer(step, rates)), gain
-
-
-def _recursion(decay: Array, gain: Array, start: float) -> Iterable[float]:
-    """Yield q_0 = start and q_(n+1) = decay_n q_n + gain_n."""
-    # Lists of floats: step by step, Python is faster on them than on numpy scalars.
-    pairs = zip(decay.tolist(), gain.tolist(), strict=True)
-    return accumulate(pairs, lambda q, pair: pair[0] * q + pair[1], initial=start)
