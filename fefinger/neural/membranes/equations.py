@@ -117,6 +117,13 @@ def crossing(v0: float, v1: float, d0: float, d1: float, dt: float) -> float:
     return 0.5 * (low + high)
 
 
+@njit(cache=True, inline="always")
+def _take_over(y: Array, b: int, state: Array) -> None:
+    """Set the state (4,) of a branch."""
+    for i in range(4):
+        y[b, i] = state[i]
+
+
 @njit(cache=True, nogil=True)
 def race(
     time: Array,
@@ -135,7 +142,8 @@ def race(
     """
     n = current.shape[1]
     y = np.empty((n, 4))
-    y[:] = rest
+    for b in range(n):
+        _take_over(y, b, rest)
     armed, above, blocked = np.ones(n, np.bool_), np.zeros(n), np.zeros(n)
     count, peak = 0, rest[0]
     for k in range(len(time) - 1):
@@ -167,7 +175,8 @@ def race(
                 if count < len(spikes):
                     spikes[count] = time[k] + dt * (j + first)
                 count += 1
-                y[:] = y[winner].copy()
+                for b in range(n):
+                    _take_over(y, b, y[winner])
                 armed[:] = False
                 above[:] = 0.0
     return count, peak, blocked.max(), y
