@@ -16,6 +16,7 @@ import operator
 import re
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Set
+from contextlib import suppress
 from itertools import islice, pairwise
 from pathlib import Path
 from types import ModuleType
@@ -62,16 +63,18 @@ def compile_share(rewrite: ModuleType, config: Any) -> None:
     All processes import all modules, and would compile all of them side by side.
     """
     process = getattr(config, "workerinput", None)
-    if process is None or config.args != config.getini("testpaths"):
+    if process is None:
         return
-    files = sorted(Path(__file__).parent.rglob("test_*.py"))
+    found = {file for each in map(Path, config.args) for file in [each, *each.rglob("test_*.py")]}
+    files = sorted(file for file in found if file.is_file())
     first = int(process["workerid"].removeprefix("gw"))
     for file in files[first :: process["workercount"]]:
         folder = rewrite.get_cache_dir(file)
         kept = folder / (file.stem + rewrite.PYC_TAIL)
         if rewrite.try_makedirs(folder) and rewrite._read_pyc(file, kept) is None:
-            of_file, code = rewrite._rewrite_test(file, config)
-            rewrite._write_pyc(config.stash[rewrite.assertstate_key], code, of_file, kept)
+            with suppress(SyntaxError):  # which is said where the module is imported
+                of_file, code = rewrite._rewrite_test(file, config)
+                rewrite._write_pyc(config.stash[rewrite.assertstate_key], code, of_file, kept)
 
 
 def watch(tree: ast.Module, source: str) -> None:

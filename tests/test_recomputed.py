@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from recomputed import RecomputedError, watch
+from _pytest.assertion import rewrite
+from recomputed import RecomputedError, compile_share, watch
 
 
 @dataclass(frozen=True)
@@ -85,3 +86,13 @@ def test_modules_of_tests_are_watched():
     one, two = (float(np.log(3.0)) for _ in range(2))
     with pytest.raises(RecomputedError, match=r"because 1\.0986"):
         assert one == two
+
+
+def test_processes_share_the_compilation_of_the_modules(tmp_path, pytestconfig, monkeypatch):
+    for name in "abcd":
+        (tmp_path / f"test_{name}.py").write_text("assert 1" if name < "d" else "no python")
+    process = {"workerid": "gw1", "workercount": 2}
+    monkeypatch.setattr(pytestconfig, "workerinput", process, raising=False)
+    monkeypatch.setattr(pytestconfig, "args", [str(tmp_path), str(tmp_path / "test_a.py::none")])
+    compile_share(rewrite, pytestconfig)
+    assert [file.name.partition(".")[0] for file in tmp_path.rglob("*.pyc")] == ["test_b"]
