@@ -253,7 +253,7 @@ def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_i
     assert plan.explain(published.load("flat-press", own)).mechanics == "linear"
 
 
-BALL = {"kind": "sphere", "radius": 5, "at": [11, 5]}
+BALL = {"kind": "sphere", "radius": 1, "at": [11, 5]}
 PUSH = {"kind": "force-ramp", "loading_rate": 20, "force": 8}
 IMPOSSIBLE = [
     ({"indenter": BALL}, "ability: indenter.at: expected a place (x, y) mm on the pad"),

@@ -13,6 +13,12 @@ from fefinger.support.checks import InputError
 MARGIN = 1e-9
 """Barycentric coordinate by which a place may lie outside a triangle, for those on its edge."""
 
+SLACK = 1e-6
+"""Part of a spacing, or of a triangle, by which a place may lie beyond a triangle that it is on."""
+
+TOGETHER = 500_000
+"""Places in the boxes of triangles that are looked at together."""
+
 MOST = 1_000_000
 """Largest number of heights: on all of the pad, a tenth of the edges of a mesh apart."""
 
@@ -47,8 +53,7 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
         )
     x, y = (low[k] + pitch * np.arange(counts[k]) for k in (0, 1))
     heights = np.full(counts, -np.inf)
-    for triangle in corners:
-        _raise(heights, x, y, triangle, pitch)
+    _raise(heights, corners, low, pitch)
     if not np.isfinite(heights).all():
         share = float(np.isinf(heights).mean())
         raise InputError(
@@ -60,23 +65,28 @@ def height_map(file: Path, pitch: float) -> tuple[Array, Array, Array]:
     return x, y, heights
 
 
-def _raise(heights: Array, x: Array, y: Array, triangle: Array, pitch: float) -> None:
-    """Raise the heights under a triangle (3, 3) to it; a vertical one has no places under it."""
-    across = triangle[1:, :2] - triangle[0, :2]
-    if abs(np.linalg.det(across)) <= MARGIN * np.square(across).max(initial=0.0):
-        return
-    low, high = triangle[:, :2].min(axis=0), triangle[:, :2].max(axis=0)
-    slack = 1e-6 * pitch
-    part = tuple(
-        slice(
-            np.searchsorted(lines, low[k] - slack), np.searchsorted(lines, high[k] + slack, "right")
-        )
-        for k, lines in enumerate((x, y))
-    )
-    places = np.stack(np.meshgrid(x[part[0]], y[part[1]], indexing="ij"), axis=-1)
-    if places.size == 0:
-        return
-    weights = barycentric(triangle[None, None, :, :2], places)
-    inside = weights.min(axis=-1) >= -1e-6
-    level = np.where(inside, weights @ triangle[:, 2], -np.inf)
-    heights[part] = np.maximum(heights[part], level)
+def _raise(heights: Array, triangles: Array, low: Array, pitch: float) -> None:
+    """Raise the heights (n_x, n_y) to triangles (n, 3, 3); vertical ones have no places under them.
+
+    low: x and y of the first place.
+    """
+    across = triangles[:, 1:, :2] - triangles[:, :1, :2]
+    flat = np.square(across).max(axis=(1, 2), initial=0.0)
+    triangles = triangles[np.abs(np.linalg.det(across)) > MARGIN * flat]
+    ends = (triangles[..., :2].min(axis=1), triangles[..., :2].max(axis=1))
+    first, last = ((end - low) / pitch for end in ends)
+    begin = np.maximum(np.ceil(first - SLACK).astype(int), 0)
+    counts = np.minimum(np.floor(last + SLACK).astype(int) + 1, heights.shape) - begin
+    counts = np.maximum(counts, 0)
+    total = np.cumsum(counts.prod(axis=1))
+    parts = np.searchsorted(total, np.arange(TOGETHER, total[-1] if len(total) else 0, TOGETHER))
+    for part in np.split(np.arange(len(triangles)), np.unique(parts)):
+        # Every place in the box of a triangle, one after another.
+        sizes = counts[part].prod(axis=1)
+        which = np.repeat(part, sizes)
+        number = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        places = begin[which] + np.column_stack(np.divmod(number, counts[which, 1]))
+        weights = barycentric(triangles[which, :, :2], low + pitch * places)
+        inside = weights.min(axis=-1) >= -SLACK
+        level = np.sum(weights * triangles[which, :, 2], axis=-1)[inside]
+        np.maximum.at(heights, tuple(places[inside].T), level)

@@ -102,9 +102,9 @@ def unmeshable(case: Situation) -> tuple[Reason, ...]:
     """Return the reason why the finger of a scene cannot be meshed, if there is one."""
     from fefinger.mesh.store import mesh_problem
 
-    # `case.touch` is rounded: the place of the scene itself has to be on the pad.
+    # `case.touch` is rounded: the object at the place of the scene itself has to reach the pad.
     at = case.indenter.place if isinstance(case.touch, tuple) else None
-    reason = mesh_problem(case.finger, case.touch, at)
+    reason = mesh_problem(case.finger, case.touch, at, max(case.indenter.half_sides))
     return (Reason("finger" if at is None else "", reason),) if reason else ()
 
 

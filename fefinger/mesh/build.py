@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, facet_sets
 from fefinger.mesh import smooth, tetrahedralize, vtu
-from fefinger.mesh.finger_shape import Shape, touch_point
+from fefinger.mesh.finger_shape import Shape, touch_within
 from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
 from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
@@ -22,7 +22,7 @@ from fefinger.mesh.recipe import Recipe, Touch, templates
 from fefinger.mesh.scan import shape_of
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import ConvergenceError, InputError
+from fefinger.support.checks import ConvergenceError
 
 
 Progress = Callable[[str], None]
@@ -33,9 +33,6 @@ SETTINGS = {
     "fine": MesherSettings(pad=0.3, deep=0.35, far=0.5, largest=2.5, envelope=2e-3, facet=0.6),
 }
 
-
-ROUNDED, BACKWARD = 3.0, 30
-"""Distance in mm that a rounded place may lie off the pad, and steps of moving it back."""
 
 TEMPLATES = 3
 """Largest number of shipped meshes that are morphed before the mesher is called; of a scan all are,
@@ -125,7 +122,7 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
     balls = [(PATCH_CENTER, PATCH_RADIUS)]
     if touch is not None:
         # Fine to 2.5 mm from the origin too, for the reference press that scales strains.
-        balls = [(np.zeros(3), 2.5), (_near(shape, touch), PATCH_RADIUS)]
+        balls = [(np.zeros(3), 2.5), (touch_within(shape, touch, np.inf), PATCH_RADIUS)]
 
     def size(points: Array) -> Array:
         below = np.maximum(-shape.subcutaneous.level(points), 0.0)
@@ -135,21 +132,6 @@ def sizes(shape: Shape, settings: MesherSettings, touch: Touch = None) -> Callab
         return np.minimum(wanted, settings.largest)
 
     return size
-
-
-def _near(shape: Shape, touch: float | tuple[float, float]) -> Array:
-    """As `touch_point`, but move a place off the pad toward the origin until it is on the pad.
-
-    The place of a scene is on the pad, but the recipe rounds it. Raises InputError for a place that
-    is more than ROUNDED off.
-    """
-    if isinstance(touch, tuple):
-        far = float(np.hypot(*touch))
-        for back in np.arange(0.0, min(ROUNDED, far), ROUNDED / BACKWARD):
-            with suppress(InputError):
-                place = (touch[0] * (1 - back / far), touch[1] * (1 - back / far))
-                return touch_point(shape, place)
-    return touch_point(shape, touch)
 
 
 def _attempt(

@@ -30,6 +30,9 @@ ROOM = 0.2
 RIDGE, FOREMOST = 400, 12.0
 """Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
 
+BACKWARD = 0.1
+"""Steps in mm by which the edge of the pad is looked for."""
+
 BONE_AHEAD, BONE_ROUNDED = 0.42, 0.3
 """Tissue ahead of a bone, over the thickness, and length of the rounding of its end, over the width
 of the finger, where the recipe gives no other."""
@@ -149,6 +152,30 @@ def touch_point(shape: Shape, touch: float | tuple[float, float]) -> Array:
     ridge = palm(shape.skin, np.linspace(shape.cut, FOREMOST, RIDGE)[1:], 0.0)
     angle = np.radians(touch)
     return foremost(shape.skin, ridge, np.array([-np.sin(angle), 0.0, np.cos(angle)]))
+
+
+def touch_within(shape: Shape, touch: float | tuple[float, float], reach: float) -> Array:
+    """As `touch_point`, but of a place up to `reach` mm beside the pad the next one on it.
+
+    That lies toward the origin. InputError for a place farther away.
+    """
+    if not isinstance(touch, tuple) or touch == (0.0, 0.0):
+        return touch_point(shape, touch)
+    far = float(np.hypot(*touch))
+    for back in np.arange(0.0, far, BACKWARD):
+        place = (touch[0] * (1 - back / far), touch[1] * (1 - back / far))
+        try:
+            point = touch_point(shape, place)
+        except InputError:
+            continue
+        if back < reach + BACKWARD:
+            return point
+        raise InputError(
+            f"indenter.at: expected a place (x, y) mm on the pad, or so near that the object "
+            f"covers a part of it, in that direction within {far - back + reach:.3g} mm of (0, 0), "
+            f"received {touch}"
+        )
+    return touch_point(shape, touch)
 
 
 def palm(skin: SmoothSurface, x: Array | float, y: Array | float) -> Array:

@@ -14,7 +14,7 @@ from scipy.interpolate import PchipInterpolator
 
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, interfaces, triangle_areas, volumes
 from fefinger.mesh import finger_shape, smooth
-from fefinger.mesh.finger_shape import Shape, touch_point
+from fefinger.mesh.finger_shape import Shape, touch_within
 from fefinger.mesh.quality import SCANNED, STRICT, gate, record
 from fefinger.mesh.recipe import STRETCH, Recipe, Touch
 from fefinger.mesh.shell import Shell
@@ -186,7 +186,7 @@ def _stations(source: Shape, target: Shape, touch: Touch) -> Iterator[Stations]:
     """
     touches = [np.zeros((2, 3))]
     if touch is not None:
-        touches.append(np.stack([touch_point(shape, touch) for shape in (source, target)]))
+        touches.append(np.stack([touch_within(shape, touch, np.inf) for shape in (source, target)]))
     nail = [(source.nail.start, target.nail.start), (source.nail.end, target.nail.end)]
     pairs = zip(source.sections, target.sections, strict=True)
     for number, (one, other) in enumerate(pairs):

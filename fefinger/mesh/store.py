@@ -60,14 +60,17 @@ def morphed(finger: "Finger", touch: Touch = None) -> bool:
 
 
 def mesh_problem(
-    finger: "Finger", touch: Touch = None, at: tuple[float, float] | None = None
+    finger: "Finger",
+    touch: Touch = None,
+    at: tuple[float, float] | None = None,
+    reach: float = 0.0,
 ) -> str:
     """Reason why a finger cannot be meshed, as a sentence; empty if none is known.
 
     The shape is built, in some 50 ms (of a scan in a second), but not meshed. A place `at` (x, y)
-    mm off the pad is a reason too.
+    mm more than `reach` mm beside the pad is a reason too.
     """
-    from fefinger.mesh.finger_shape import touch_point
+    from fefinger.mesh.finger_shape import touch_within
 
     try:
         if at is None and available(finger, touch):
@@ -78,7 +81,7 @@ def mesh_problem(
         if isinstance(shape, str):
             return shape
         if at is not None:
-            touch_point(shape, at)
+            touch_within(shape, at, reach)
     except InputError as error:
         return str(error)
     return ""

@@ -259,6 +259,11 @@ class Indenter(ABC):
         return False
 
     @property
+    def half_sides(self) -> tuple[float, float]:
+        """Lengths in mm from its middle to its ends along its own x and y; inf where it goes on."""
+        return float("inf"), float("inf")
+
+    @property
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """Ranges in mm of its own x and y beyond which it ends; None where it goes on."""
         return None

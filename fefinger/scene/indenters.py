@@ -78,6 +78,11 @@ class Sphere(Compliant):
         """The radius in mm."""
         return self.radius
 
+    @property
+    def half_sides(self) -> tuple[float, float]:
+        """The radius in mm, twice."""
+        return self.radius, self.radius
+
     def describe(self) -> str:
         """Return "a rigid sphere" or "a soft sphere of 50 kPa", with its radius."""
         return self._described("sphere", f"radius {self.radius:g} mm")
@@ -105,6 +110,11 @@ class Ellipsoid(Indenter):
         a, b, c = self.radii
         return a**2 / c, b**2 / c
 
+    @property
+    def half_sides(self) -> tuple[float, float]:
+        """The half axes in mm along x and y."""
+        return self.radii[:2]
+
     def describe(self) -> str:
         """Return "a rigid ellipsoid", with its half axes."""
         return "a rigid ellipsoid of half axes {:g}, {:g}, {:g} mm".format(*self.radii)
@@ -128,6 +138,11 @@ class Cylinder(Compliant):
     def least_radius(self) -> float:
         """The radius in mm."""
         return self.radius
+
+    @property
+    def half_sides(self) -> tuple[float, float]:
+        """The radius in mm; along y it goes on."""
+        return self.radius, float("inf")
 
     def describe(self) -> str:
         """Return "a rigid cylinder" or a soft one, with its radius and how it lies."""
@@ -179,6 +194,11 @@ class Bar(Edged):
         """A flat strip between rounded corners."""
         return profiles.Bar(self.width, self.corner)
 
+    @property
+    def half_sides(self) -> tuple[float, float]:
+        """Half of the width in mm; along y it goes on."""
+        return self.width / 2, float("inf")
+
     def describe(self) -> str:
         """Return "a rigid bar", with its sizes and how it lies."""
         size = f"{self.width:g} mm wide with corners of {self.corner:g} mm"
@@ -201,6 +221,11 @@ class Pin(Edged):
     def profile(self) -> profiles.Pin:
         """A flat disc with a rounded edge."""
         return profiles.Pin(self.width, self.least_radius)
+
+    @property
+    def half_sides(self) -> tuple[float, float]:
+        """Half of the width in mm, twice."""
+        return self.width / 2, self.width / 2
 
     def describe(self) -> str:
         """Return "a rigid pin", with its sizes."""

@@ -24,8 +24,12 @@ MEANING = {
 COLUMNS = ("x", "y", "height")
 
 
-def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[Any, Any, Any]:
+def read_relief(
+    file: Path, pitch: float | None, height: float | None, *, center: bool = False
+) -> tuple[Any, Any, Any]:
     """Read x (n_x,), y (n_y,) and heights (n_x, n_y) in mm from a file.
+
+    center: whether the middle of x and y becomes 0.
 
     A CSV file begins with the line "x,y,height" and has one row per place of a full grid, in any
     order; or, with a `pitch`, it holds heights in mm alone, which lie as the pixels of a PNG. An
@@ -69,6 +73,8 @@ def read_relief(file: Path, pitch: float | None, height: float | None) -> tuple[
             f"indenter.file: expected at most {MOST} heights in {str(file)!r}, received "
             f"{len(x)} x {len(y)}; take a coarser grid, or the part that the finger meets"
         )
+    if center:
+        x, y = (lines - (lines[0] + lines[-1]) / 2 for lines in (x, y))
     return x.tolist(), y.tolist(), values.tolist()
 
 
@@ -131,7 +137,7 @@ def _table(file: Path) -> tuple[Array, ...]:
             f"indenter.pitch: missing; {str(file)!r} has no first line 'x,y,height', and heights "
             "alone need the distance in mm between them, as 0.1"
         )
-    across, along, heights = map(np.array, read_columns("indenter.file", file, COLUMNS))
+    across, along, heights = map(np.array, read_columns("indenter.file", file, COLUMNS, MOST))
     x, i = np.unique(across, return_inverse=True)
     y, j = np.unique(along, return_inverse=True)
     places = np.zeros(len(heights), bool)

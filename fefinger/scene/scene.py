@@ -93,12 +93,31 @@ class Scene:
             )
         for name, depth in self.ask.depths.items():
             number(f"ask.depths.{name}", depth, below=pulp, unit="mm")
-        at = self.indenter.place
-        reach = (2 * self.finger.width, self.finger.width / 2)
-        if at is not None and any(abs(x) >= limit for x, limit in zip(at, reach, strict=True)):
+        self._check_object()
+
+    def _check_object(self) -> None:
+        """Check that the object covers a part of the pad."""
+        indenter, finger = self.indenter, self.finger
+        if indenter.place is not None:
+            # Where it goes on for ever the mesh tells whether it covers the pad.
+            c, s = np.cos(np.radians(indenter.turn)), np.sin(np.radians(indenter.turn))
+            turns, own = np.round(np.abs([[c, s], [s, c]]), 9), np.array(indenter.half_sides)
+            parts = np.multiply(turns, own, out=np.zeros((2, 2)), where=turns > 0)
+            limits = np.array([2 * finger.width, finger.width / 2]) + parts.sum(axis=1)
+            if (np.abs(indenter.place) >= limits).any():
+                raise InputError(
+                    f"indenter.at: expected a place from which the object covers a part of the "
+                    f"pad, x within {limits[0]:g} and y within {limits[1]:g} mm, received "
+                    f"{list(indenter.place)}"
+                )
+        extent = indenter.extent
+        if extent is not None and any(low >= 0 or high <= 0 for low, high in extent):
+            (left, right), (low, high) = extent
             raise InputError(
-                f"indenter.at: expected a place on the pad, x within {reach[0]:g} and y within "
-                f"{reach[1]:g} mm, received {list(at)}; there the indenter never touches the finger"
+                f"indenter: expected an object that covers the place (0, 0) of first touch, "
+                f"received one from x = {left:.4g} to {right:.4g} and y = {low:.4g} to {high:.4g} "
+                "mm; shift it, or set indenter.center = true for a relief from a file, whose "
+                "middle is put there"
             )
 
     def _check_path(self) -> None:

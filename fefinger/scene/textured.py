@@ -23,7 +23,7 @@ from fefinger.scene.indenter import (
 from fefinger.scene.key import Key
 from fefinger.scene.relief_file import read_relief
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, set_number
+from fefinger.support.checks import InputError, boolean, number, set_number
 
 
 TALLEST = 20.0
@@ -291,6 +291,11 @@ class Relief(Indenter):
     @classmethod
     def of(cls, function: Callable[[Any, Any], Any], x: Any, y: Any, **placing: float) -> Self:
         """Return the relief of a function of arrays x and y in mm, sampled at the grid lines."""
+        if (count := len(x) * len(y)) > MOST:
+            raise InputError(
+                f"indenter.heights: expected at most {MOST} heights, received {count}; take fewer "
+                "grid lines"
+            )
         with np.errstate(all="ignore"):
             surface = np.asarray(function(*np.meshgrid(x, y, indexing="ij")), dtype=float)
         if surface.shape != (len(x), len(y)):
@@ -323,16 +328,26 @@ class Relief(Indenter):
         *,
         pitch: float | None = None,
         height: float | None = None,
+        center: bool = False,
         **placing: float,
     ) -> Self:
-        """Read x, y and height in mm from CSV, NPZ, PNG or STL, see `read_relief`."""
-        x, y, heights = read_relief(Path(file), pitch, height)
+        """Read x, y and height in mm from CSV, NPZ, PNG or STL, see `read_relief`.
+
+        `center` puts the middle of the file at (0, 0), where the smooth plate would touch first.
+        """
+        center = boolean("indenter.center", center)
+        x, y, heights = read_relief(Path(file), pitch, height, center=center)
         _check_heights("indenter.file", np.asarray(heights, float), f" in {str(file)!r}")
         return cls(x, y, heights, **placing)
 
 
 def _check_heights(field: str, values: Array, where: str = "") -> None:
     """Raise InputError for too few heights, or such that differ by more than a finger follows."""
+    if values.size > MOST:
+        raise InputError(
+            f"{field}: expected at most {MOST} heights{where}, received {values.shape[0]} x "
+            f"{values.shape[1]}; take a coarser grid, or the part that the finger meets"
+        )
     if min(values.shape) < SAMPLES:
         raise InputError(
             f"{field}: expected at least {SAMPLES} by {SAMPLES} heights{where}, received "

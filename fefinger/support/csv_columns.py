@@ -214,10 +214,13 @@ def check_times(where: str, cell: str, time: Array) -> None:
         raise InputError(f"{where}: {cell}: {seconds_or_milliseconds(time)}")
 
 
-def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[float, ...], ...]:
+def read_columns(
+    field: str, file: Path, names: tuple[str, ...], most: int = MOST
+) -> tuple[tuple[float, ...], ...]:
     """Read a CSV file with columns of these names, converted from the units they state to UNITS.
 
-    Raises InputError of `field` for a file that cannot be read or used.
+    Raises InputError of `field` for a file that cannot be read or used, or of more than `most`
+    rows.
     """
     table = read_table(f"{field}: {str(file)!r}", file)
     factors = [
@@ -229,7 +232,7 @@ def read_columns(field: str, file: Path, names: tuple[str, ...]) -> tuple[tuple[
             f"{table.source}: expected the first line to be '{','.join(names)}', and no other "
             f"column, {units}, received {shortened(table.header)}"
         )
-    values = table.numbers(range(len(names))) * np.array(factors, dtype=float)
+    values = table.numbers(range(len(names)), most) * np.array(factors, dtype=float)
     if "time" in names:
         at = names.index("time")
         check_times(table.source, table.header[at], values[:, at])

@@ -14,6 +14,9 @@ from fefinger.support.arrays import Array
 from fefinger.view.frames import whole
 
 
+NEXT_TO = 1.0
+"""Distance in mm from the next vertex of the pad from which on a place is beside it."""
+
 SAMPLES, STEPS = 1201, 8  # points of an outline; iterations of its places in the medial plane
 
 
@@ -142,6 +145,11 @@ def _first(result: ResultRecord, depth: float) -> Pose:
             origin = points[int(np.argmin(points @ axis))]
     elif at is not None and pad is not None:
         palmar = np.where(pad.normals[:, 2] < 0, 0.0, np.inf)
-        here = int(np.argmin(np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar))
+        away = np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar
+        here = int(np.argmin(away))
         origin, axis = pad.points[here], -pad.normals[here]
+        if away[here] > NEXT_TO**2:  # beside the pad: it moves along z
+            axis = np.array([0.0, 0.0, 1.0])
+            across = (pad.points - [*at, 0.0]) @ frame(axis, indenter.turn)[:2].T
+            origin = np.array([*at, (pad.points[:, 2] + indenter.profile.rise(across)).min()])
     return Pose(origin + depth * axis, axis, indenter.profile, indenter.turn)

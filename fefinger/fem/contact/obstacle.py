@@ -41,13 +41,20 @@ class Obstacle:
     """A rigid obstacle of a given profile; a plane by default.
 
     axis (3,) unit direction of travel, into the finger; origin (3,) mm the foremost point of the
-    obstacle at first touch; roll degrees by which the profile is turned about the axis.
+    obstacle at first touch; roll degrees by which the profile is turned about the axis; touched
+    (3,) mm the place that it touches first, where that is not its foremost point.
     """
 
     axis: Array
     origin: Array
     profile: Profile = field(default_factory=Plane)
     roll: float = 0.0
+    touched: Array | None = None
+
+    @property
+    def first_touch(self) -> Array:
+        """Place (3,) mm of the skin that it touches first, about."""
+        return self.origin if self.touched is None else self.touched
 
     @property
     def frame(self) -> Array:

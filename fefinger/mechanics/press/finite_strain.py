@@ -294,4 +294,6 @@ def _check_contact(body: Solid, contact: ContactSurface, history: FiniteStrainHi
     places = contact.at_rest[: len(contact)] + history.moved[:, : len(contact)]
     ended = (bearing & contact.obstacle.beyond(places)).any()
     if ended or (pressed & on.obstacle_border).any():
-        raise InputError(limits.rim_reached(len(pressed)))
+        raise InputError(
+            limits.rim_reached(len(pressed), getattr(contact.obstacle, "profile", None))
+        )

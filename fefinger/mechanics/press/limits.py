@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.geometry.profiles import Profile, Relief
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Flags
 from fefinger.support.checks import BeyondError, InputError
@@ -49,12 +50,22 @@ def untouched(obstacle: "Obstacle", body: "Solid", depth: float) -> str:
     return NOTHING_UNDER if too_small else unresolved(depth)
 
 
-def rim_reached(count: int) -> str:
-    """Error message for contact that reaches the rim of an indenter over `count` vertices."""
+def rim_reached(count: int, profile: Profile | None = None) -> str:
+    """Error message for contact that reaches the rim of an indenter over `count` vertices.
+
+    profile: of the indenter; a relief lies where its file says.
+    """
+    lies = ""
+    if isinstance(profile, Relief):
+        ends = (float(each) for lines in (profile.u, profile.v) for each in (lines[0], lines[-1]))
+        lies = (
+            "; it covers x from {:.3g} to {:.3g} and y from {:.3g} to {:.3g} mm about the first "
+            "touch of a plate, and with indenter.center = true the middle of its file lies there"
+        ).format(*ends)
     return (
         f"indenter: expected contact inside its outline, but it reaches the rim, beyond which the "
         f"indenter turns away, with {count} vertices of the pad under it; press less, or take a "
-        "larger indenter or a finer mesh (finger.resolution)"
+        f"larger indenter or a finer mesh (finger.resolution){lies}"
     )
 
 
@@ -95,7 +106,7 @@ def through(motion: Motion, pulp: float, deepest: float) -> str:
 def check_depth(motion: Motion, mesh: FingerMesh, obstacle: "Obstacle") -> None:
     """Raise InputError for a depth that leaves no tissue over the bone."""
     bone = mesh.points[np.unique(mesh.facets["bone"])]
-    pulp = float(np.min(np.linalg.norm(bone - obstacle.origin, axis=1)))
+    pulp = float(np.min(np.linalg.norm(bone - obstacle.first_touch, axis=1)))
     if motion.deepest is not None and motion.deepest >= pulp:
         raise InputError(
             f"motion.depth: expected less than the {pulp:.3g} mm of tissue over the bone, "

@@ -19,6 +19,9 @@ from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 
 
+BESIDE = np.array([0.0, 0.0, 1.0])
+"""Travel of an object whose place is beside the pad, which has no normal there."""
+
 ON_THE_CUT = 1e-3
 """Part of the length of the finger within which the border of the pad is the proximal cut."""
 
@@ -26,8 +29,9 @@ ON_THE_CUT = 1e-3
 def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     """Return the indenter at first touch on this body.
 
-    InputError if the place `at` is not on the pad, or the first touch lies on the border of the
-    pad.
+    One whose place `at` is beside the pad moves along z, as a plate along the bone does.
+
+    InputError if it misses the pad, or the first touch lies on the border of the pad.
     """
     plate, at, roll = indenter.plate, indenter.place, indenter.turn
     if plate is not None:
@@ -38,12 +42,19 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
             origin = origin * (1.0, 0.0, 1.0) if body.half else origin
         placed = Obstacle(axis, origin, indenter.profile, roll)
         return _touching(placed, body, f"indenter.angle {plate.angle:g} degrees")
-    origin, axis = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
+    found = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
+    if found is None:
+        placed = Obstacle(BESIDE, np.append(at or (), 0.0), indenter.profile, roll)
+        return _touching(placed, body, "indenter.at", beside=True)
+    origin, axis = found
     return _touching(Obstacle(axis, origin, indenter.profile, roll), body, "indenter.at")
 
 
-def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
-    """Move the obstacle along its axis to first touch on the smooth surface of the pad."""
+def _touching(placed: Obstacle, body: Solid, field: str, *, beside: bool = False) -> Obstacle:
+    """Move the obstacle along its axis to first touch on the smooth surface of the pad.
+
+    beside: whether its foremost point is not on the pad.
+    """
     surface = trace(body.space, body.pad)
     places = smooth_places(body.space.points, body.normals, surface)
     distance, _ = placed.gap(places)
@@ -60,7 +71,8 @@ def _touching(placed: Obstacle, body: Solid, field: str) -> Obstacle:
             f"{field}: expected a first touch on the pad, received one on the border of the pad, "
             "where the finger is cut or the nail begins; choose another angle or place"
         )
-    return replace(placed, origin=placed.origin + distance[first] * placed.axis)
+    touched = places[first] if beside else None
+    return replace(placed, origin=placed.origin + distance[first] * placed.axis, touched=touched)
 
 
 def check_inside(body: Solid, pressed: Integers, depth: float) -> None:
@@ -86,13 +98,15 @@ def border(body: Solid) -> Integers:
     return np.unique(single)
 
 
-def _pad_point(body: Solid, at: tuple[float, float]) -> tuple[Array, Array]:
-    """Return the point (3,) of the smooth palmar pad at x, y, and its inward normal (3,)."""
+def _pad_point(body: Solid, at: tuple[float, float]) -> tuple[Array, Array] | None:
+    """Return the point (3,) of the smooth palmar pad at x, y, and its inward normal (3,).
+
+    None for a place beside the pad.
+    """
     palmar = body.pad[body.normals[body.pad][:, :, 2].max(axis=1) < 0]
     (best,), (weights,) = locate(body.space.points[palmar][:, :, :2], np.array([at], dtype=float))
     if weights.min() < -1e-9:
-        message = f"indenter.at: expected a place (x, y) mm on the pad, received {tuple(at)}"
-        raise InputError(message)
+        return None
     normal = weights @ body.normals[palmar[best]]
     return weights @ body.space.points[palmar[best]], -normal / np.linalg.norm(normal)
 

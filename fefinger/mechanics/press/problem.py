@@ -141,7 +141,7 @@ class Press:
         sites = None
         if ask.wants("strain") or ask.spikes:
             skin = partial(meshed, body.space.points, body.pad, body.normals, half=body.half)
-            sites = end_organ_sites(ask, finger.pulp, obstacle.origin, obstacle.axis, skin)
+            sites = end_organ_sites(ask, finger.pulp, obstacle.first_touch, obstacle.axis, skin)
         feature = scene.indenter.feature if motion.slides else np.inf
         time = time_grid(motion, fast="FAII" in ask.spikes, refine=refine, feature=feature)
         plate = scene.indenter.flat if motion.turns_plate else None
@@ -215,7 +215,7 @@ def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:
         return
     corners = body.space.points[body.pad]
     # Facets are measured within 4 mm of first touch.
-    near = np.linalg.norm(corners.mean(axis=1) - obstacle.origin, axis=1) < 4.0
+    near = np.linalg.norm(corners.mean(axis=1) - obstacle.first_touch, axis=1) < 4.0
     facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
     part = indenter.feature / facet
     size = f"its smallest part / facet = {indenter.feature:.2g} / {facet:.2g} mm = {part:.2g}"

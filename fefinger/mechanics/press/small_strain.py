@@ -137,7 +137,7 @@ def _on_candidates(
     if not pressed.any():
         raise InputError(limits.untouched(obstacle, body, float(history.depth.max())))
     if (pressed & candidates.obstacle_border).any():
-        raise InputError(limits.rim_reached(len(candidates.vertices)))
+        raise InputError(limits.rim_reached(len(candidates.vertices), obstacle.profile))
     return reduced, history
 
 
