@@ -56,6 +56,11 @@ class Profile(ABC):
         """Half axes in mm of an ellipsoid or, with an infinite one, of a cylinder; else None."""
         return None
 
+    @property
+    def ends(self) -> tuple[float, float, float, float] | None:
+        """Least and largest u, and v, in mm between which there is a surface; None without ends."""
+        return None
+
     def beyond(self, across: Array) -> Flags:
         """Return whether places `across` (..., 2) mm are beyond the modeled shape."""
         return np.zeros(across.shape[:-1], dtype=bool)
@@ -231,6 +236,12 @@ class Relief(Profile):
         """Return the relief of a function of u and v mm, sampled at the grid lines."""
         heights = function(*np.meshgrid(u, v, indexing="ij"))
         return cls(u, v, np.asarray(heights, dtype=np.float64))
+
+    @property
+    def ends(self) -> tuple[float, float, float, float]:
+        """The outermost samples."""
+        (left, right), (low, high) = self.u[[0, -1]].tolist(), self.v[[0, -1]].tolist()
+        return left, right, low, high
 
     @cached_property
     def _spline(self) -> "RectBivariateSpline":

@@ -1,9 +1,8 @@
 """Spike trains of afferent units: their record, and its exports to files and tables."""
 
-import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from datetime import UTC, datetime
+from datetime import datetime
 from importlib.metadata import version
 from os import PathLike
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
@@ -392,53 +391,35 @@ class SpikeTrains:
         *,
         description: str = "simulated spike trains of tactile afferents",
         started: datetime | None = None,
+        subject: Mapping[str, object] | None = None,
+        resolution: float | None = None,
+        about: Mapping[str, object] | None = None,
     ) -> None:
         """Write an NWB file: units, their class and place, and the displacement that drove them.
 
         Lengths are in mm in the table and in m in the series, as the format requires. `started` is
-        the time of the session with its zone, by default now. Needs the extra `nwb`.
+        the time of the session with its zone, by default now. `subject` has fields of pynwb's
+        Subject, as subject_id, species, sex and age; by default it is a simulated finger.
+        `resolution` is that of spike times in s, by default the step of the signals, which is
+        coarser. `about` has other fields of an NWBFile, as experimenter, institution and keywords.
+        Needs the extra `nwb`.
+
+        Raises
+        ------
+        InputError
+            Fields that NWB does not have, or a resolution that is not above 0.
         """
-        pynwb = of_extra("pynwb", "nwb")
-        digest = hashlib.sha256(b"".join(times.tobytes() for times in (*self.times, self.x_in)))
-        provenance = _provenance(self)
-        file = pynwb.NWBFile(
-            session_description=description,
-            identifier=digest.hexdigest(),
-            session_start_time=started or datetime.now(UTC),
-            source_script=provenance["source"],
-            source_script_file_name="fefinger",
-            notes="\n".join([*self.notes, f"seed: {self.seed}", f"trial: {self.trial}"]),
+        from fefinger.neural import nwb
+
+        nwb.write(
+            *(self, path, _provenance(self)),
+            description=description,
+            started=started,
+            subject=subject,
+            resolution=resolution,
+            about=about,
+            meaning=MEANINGS["x_in"],
         )
-        columns = {
-            "unit_name": "name of the unit",
-            "afferent_class": "SAI, SAII, FAI or FAII",
-            "x_mm": "distal place of the end organ, nan if unknown",
-            "y_mm": "radial place of the end organ, nan if unknown",
-            "z_mm": "dorsal place of the end organ, nan if unknown",
-            "depth_mm": "depth of the end organ under the skin, nan if unknown",
-            "delay_s": "conduction delay from the end organ to the recording, part of the spike "
-            "times",
-        }
-        for name, meaning in columns.items():
-            file.add_unit_column(name, meaning)
-        table = self.units_to_pandas()[list(UNIT_COLUMNS[: len(columns)])]
-        for times, values in zip(self.times, table.itertuples(index=False), strict=True):
-            file.add_unit(
-                spike_times=times,
-                obs_intervals=[[self.t_start, self.t_stop]],
-                **dict(zip(columns, values, strict=True)),
-            )
-        series = pynwb.TimeSeries(
-            name="skin_displacement",
-            data=self.x_in,
-            unit="meters",  # the name of NWB; readers find it beside a prefix, not "m"
-            conversion=1e-3,
-            timestamps=self.time,
-            description=f"one column per unit: {MEANINGS['x_in']}",
-        )
-        file.add_stimulus(series)
-        with in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:
-            io.write(file)
 
 
 def _within(count: int, least: int, most: int) -> str:

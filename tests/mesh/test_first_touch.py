@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.fem.body import solid
-from fefinger.geometry.profiles import directions
+from fefinger.geometry.profiles import directions, frame
 from fefinger.mechanics.press import placement
+from fefinger.mesh.finger_shape import palm
 from fefinger.mesh.first_touch import _shape, first_touch
 from fefinger.mesh.recipe import Recipe
-from fefinger.mesh.store import load_or_build
+from fefinger.mesh.store import load_or_build, mesh_problem
 from fefinger.scene.indenter import direction
 
 
@@ -49,3 +51,40 @@ def test_a_plate_meets_a_mesh_where_it_meets_the_smooth_skin(angle: float, resol
     expected = first_touch(Recipe.of(finger), touch.axis).point
     assert touch.origin == pytest.approx(expected, abs=0.06)
     assert touch.origin[1] == 0
+
+
+@pytest.mark.parametrize(
+    "pressed",
+    [ff.Pin(6, at=(0, 8)), ff.Sphere(10, at=(-2, -9)), ff.Bar(6, 1, roll=90, at=(0, 8))],
+    ids=lambda each: each.kind,
+)
+def test_an_object_beside_the_pad_touches_what_it_covers_of_it(pressed: ff.Indenter) -> None:
+    """It moves along z; where, is found on a grid of the smooth skin."""
+    finger = ff.Finger.subject("a.h.", resolution="standard", tissue="maeno1998")
+    body = solid(load_or_build(finger, half=False, touch=None), (1, 2))
+    touch = placement.obstacle(pressed, body)
+    x, y = np.meshgrid(np.linspace(-12, 4, 81), np.linspace(-6.5, 6.5, 66))
+    skin = palm(_shape(RECIPE).skin, x.ravel(), y.ravel())
+    turn = frame(np.array([0.0, 0.0, 1.0]), pressed.turn)[:2, :2]
+    travel = skin[:, 2] + pressed.profile.rise((skin[:, :2] - pressed.place) @ turn.T)
+    assert touch.axis == pytest.approx([0, 0, 1])
+    assert touch.origin[:2] == pytest.approx(pressed.place)
+    assert touch.origin[2] == pytest.approx(travel.min(), abs=0.06)
+    first = skin[np.argmin(travel)]
+    assert touch.first_touch[1] == pytest.approx(first[1], abs=0.6)
+    assert touch.first_touch[1] * pressed.place[1] > 0
+
+
+def test_a_place_is_so_near_the_pad_that_its_object_covers_a_part_of_it() -> None:
+    finger = ff.Finger.subject("a.h.")
+    for place, reach, fits in (
+        ((9.0, 0.0), 3, False),
+        ((8.0, 0.0), 3, True),
+        ((0.0, 8.0), 3, True),
+    ):
+        reason = mesh_problem(finger, (4.0, 0.0), place, reach)
+        assert (reason == "") == fits
+    assert "within 8 mm of (0, 0)" in mesh_problem(finger, (4.0, 0.0), (9.0, 0.0), 3)
+    with refused("indenter.at"):
+        ff.Scene(finger=finger, indenter=ff.Pin(6, at=(0, 10)), motion=ff.Ramp(10, 1))
+    assert ff.Scene(finger=finger, indenter=ff.Bar(6, 1, at=(0, 99)), motion=ff.Ramp(10, 1))

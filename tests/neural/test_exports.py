@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from fefinger.neural import train_files
 from fefinger.neural.trains import CSV_COLUMNS, UNIT_COLUMNS, UNITS, SpikeTrains
@@ -200,13 +201,33 @@ def test_nwb_passes_its_validator_and_holds_the_units(trains, tmp_path):
         table = file.units.to_dataframe()
         series = file.stimulus["skin_displacement"]
         np.testing.assert_allclose(series.data[:] * series.conversion, 1e-3 * trains.x_in)
-        np.testing.assert_array_equal(series.timestamps[:], trains.time)
+        times = series.timestamps
+        if times is None:
+            times = series.starting_time + np.arange(len(series.data)) / series.rate
+        np.testing.assert_allclose(times[:], trains.time, rtol=1e-9, atol=1e-12)
+        assert file.subject.subject_id == "simulated"
+        assert file.units.resolution == pytest.approx(np.diff(trains.time).min())
     assert list(table["afferent_class"]) == list(trains.types)
     assert list(table["unit_name"]) == list(trains.names)
     np.testing.assert_array_equal(table["delay_s"], trains.delays)
     for i in range(3):
         np.testing.assert_array_equal(table["spike_times"].iloc[i], TIMES[i])  # exact: handed on
     np.testing.assert_array_equal(table["depth_mm"].isna().all(), trains.depths is None)
+
+
+def test_nwb_has_the_subject_and_the_resolution_that_are_given(tmp_path):
+    pynwb = pytest.importorskip("pynwb", reason="the extra nwb is not installed")
+    path, who = tmp_path / "spikes.nwb", {"subject_id": "s07", "species": "Homo sapiens"}
+    about = {"institution": "Lab", "keywords": ["edge"]}
+    TRAINS.to_nwb(path, subject=who, resolution=1 / 30000, about=about)
+    with pynwb.NWBHDF5IO(str(path), "r") as io:
+        file = io.read()
+        assert file.subject.subject_id == "s07"
+        assert file.units.resolution == pytest.approx(1 / 30000)
+        assert file.institution == "Lab"
+    for field, wrong in (("subject", {"sx": "F"}), ("about", {"lap": "x"}), ("resolution", 0)):
+        with refused(field):
+            TRAINS.to_nwb(path, **{field: wrong})
 
 
 def test_neo_reads_the_nwb_file(tmp_path):

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista as pv
+from refusals import refused
 from scipy.interpolate import RectBivariateSpline
 
 import fefinger as ff
 from fefinger.geometry.profiles import Relief, flank_of, sharpest_radius, smooth_step
+from fefinger.mechanics.press.limits import rim_reached
 from fefinger.scene.texts import cells
 from fefinger.support.checks import InputError
 
@@ -267,3 +269,28 @@ def test_files_that_are_no_relief_get_a_sentence(tmp_path: Path, name, options, 
     (tmp_path / "hole.stl").write_bytes(stl([[(0, 0, 0), (4, 0, 1), (0, 4, 0)]]))
     with pytest.raises(InputError, match=message):
         ff.Relief.from_file(tmp_path / name, **options)
+
+
+def test_a_relief_is_put_under_first_touch_and_says_where_it_lies(tmp_path: Path) -> None:
+    rows = [f"{x},{y},{0.1 * ((x + y) % 2)}" for x in range(20) for y in range(30)]
+    (tmp_path / "corner.csv").write_text("\n".join(["x,y,height", *rows]))
+    table = {"kind": "relief", "file": "corner.csv"}
+    scene = {"finger": {"subject": "a.h."}, "motion": {"kind": "ramp", "speed": 10, "depth": 1}}
+    with refused("indenter") as caught:
+        ff.Scene.from_dict(scene | {"indenter": table}, folder=tmp_path)
+    assert "from x = 0 to 19 and y = 0 to 29 mm" in str(caught.value)
+    assert "indenter.center = true" in str(caught.value)
+    placed = ff.Scene.from_dict(scene | {"indenter": table | {"center": True}}, folder=tmp_path)
+    assert placed.indenter.extent == ((-9.5, 9.5), (-14.5, 14.5))
+    assert "x from -9.5 to 9.5 and y from -14.5 to 14.5 mm" in rim_reached(
+        7, placed.indenter.profile
+    )
+    assert "indenter.center" not in rim_reached(7, ff.Pin(4).profile)
+
+
+def test_a_relief_of_too_many_heights_is_refused_before_they_are_looked_at() -> None:
+    with refused("indenter.heights"):
+        ff.Relief.from_array(np.full((2000, 600), np.nan), 0.02)
+    lines = np.arange(1100.0)
+    with refused("indenter.heights"):
+        ff.Relief.of(None, lines, lines)

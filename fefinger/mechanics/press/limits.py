@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.profiles import Profile, Relief
+from fefinger.geometry.profiles import Profile
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Flags
 from fefinger.support.checks import BeyondError, InputError
@@ -55,9 +55,8 @@ def rim_reached(count: int, profile: Profile | None = None) -> str:
 
     profile: of the indenter; a relief lies where its file says.
     """
-    lies = ""
-    if isinstance(profile, Relief):
-        ends = (float(each) for lines in (profile.u, profile.v) for each in (lines[0], lines[-1]))
+    lies, ends = "", None if profile is None else profile.ends
+    if ends is not None:
         lies = (
             "; it covers x from {:.3g} to {:.3g} and y from {:.3g} to {:.3g} mm about the first "
             "touch of a plate, and with indenter.center = true the middle of its file lies there"
