@@ -21,6 +21,7 @@ from fefinger.scene import builtin
 from fefinger.scene.ask import OUTPUTS
 from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
+from fefinger.scene.unusual import unusual
 from fefinger.support import machine, registry
 from fefinger.support.checks import InputError, choice
 from fefinger.support.text import duration, format_excess
@@ -403,6 +404,7 @@ def _sentence(
     """Return the choice in words: why, what is computed and built, what was left out."""
     how = "as named" if named else "the cheapest that does not refuse"
     sentence = f"{chosen.mechanics}, {how}. {_computed(settings)}{_built(case, chosen)}"
+    sentence += "".join(f" Caution: {each}." for each in unusual(case))
     tried = {rung.mechanics for rung in considered}
     left_out = [name for name in names() if name not in tried]
     if left_out and not named:

@@ -238,7 +238,7 @@ def test_the_energy_on_the_mesh_is_saved(synthetic: Result, tmp_path: Path) -> N
     assert_same(load(tmp_path), result)
     with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf", decode_times=False) as data:
         saved = data["mesh_energy"].sel(limit="elastic")
-        assert (saved == energy[..., 1]).all()  # exact: a file keeps every bit
+        assert (saved == energy[..., 1].astype(np.float32)).all()  # exact: a file keeps every bit
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -437,18 +437,22 @@ def test_a_flipped_bit_in_the_values_is_noticed(
     synthetic: Result, tmp_path: Path, part: str
 ) -> None:
     assert synthetic.force is not None
-    assert synthetic.strain is not None
     assert synthetic.spikes is not None
     stored = {
         "force": synthetic.force.tobytes(),
-        "strain": synthetic.strain.tobytes(),
         "spikes": np.concatenate(synthetic.spikes.times).tobytes(),
         "record": b"converged: every contact step",
         "scene": synthetic.scene.to_toml().encode(),
-    }[part]
+    }
     path = Path(synthetic.save(tmp_path)[0])
     content = bytearray(path.read_bytes())
-    content[content.index(stored) + len(stored) // 2] ^= 1
+    if part in stored:
+        place = content.index(stored[part]) + len(stored[part]) // 2
+    else:  # it is compressed
+        with h5py.File(path) as file:
+            chunk = file[part].id.get_chunk_info(0)
+        place = chunk.byte_offset + chunk.size // 2
+    content[place] ^= 1
     path.write_bytes(content)
     with pytest.raises(InputError, match="damaged or foreign file"):
         load(tmp_path)

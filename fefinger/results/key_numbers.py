@@ -14,6 +14,7 @@ from fefinger.results.result_record import ResultRecord
 from fefinger.scene.finger import RESOLUTIONS, STANDARD, other_size
 from fefinger.scene.inertia import missing
 from fefinger.scene.scene import Scene
+from fefinger.scene.unusual import unusual
 from fefinger.support.text import percent
 
 
@@ -126,7 +127,7 @@ def cautions(result: ResultRecord) -> list[str]:
     """Return sentences on what may mislead: large errors, noise or gaps, a finger's other size."""
     of_finger = map(_inner, other_size(result.scene.finger))
     found = [*_far_off(result), *_beyond_small(result), *_without_cause(result)]
-    return [*found, *_record(result.scene), *of_finger]
+    return [*found, *unusual(result.scene), *_record(result.scene), *of_finger]
 
 
 def _unresolved(result: ResultRecord) -> list[str]:

@@ -17,6 +17,7 @@ from fefinger.scene.toml import parse, parts, read, tables
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, names, number
 from fefinger.support.registry import AFFERENTS
+from fefinger.support.units import TRAVEL
 from fefinger.support.vocabulary import LONGEST_RUN
 
 
@@ -90,6 +91,7 @@ class Scene:
             raise InputError(
                 f"motion.depth: expected less than {pulp:g} mm, the tissue under the pad (half the "
                 f"finger's thickness), received a largest depth of {deepest:g} mm"
+                f"{TRAVEL.hint(deepest)}"
             )
         for name, depth in self.ask.depths.items():
             number(f"ask.depths.{name}", depth, below=pulp, unit="mm")

@@ -59,6 +59,18 @@ DURATION = Likely(
     1000.0,
     (("minutes, or ended before a hold", 0.0, 0.05), ("ms", 1000.0, math.inf)),
 )
+MODULUS = Likely("modulus", "kPa", 0.5, 5000.0, (("MPa", 0.0, 0.5), ("Pa", 5000.0, math.inf)))
+"""Of soft tissue: published ones are 2 to 500 kPa, relaxed."""
+
+PRESS = Likely("depth", "mm", 0.01, 50.0, (("m", 0.0, 0.01),))
+"""Of a press or a probe; vibrations alone are smaller."""
+
+LOADED = Likely("force", "N", 1e-5, 50.0, (("kN", 0.0, 1e-5),))
+"""The lightest filament of von Frey bends at 8e-5 N."""
+
+SLOWEST = 0.05
+"""Speed in mm/s, or rate in N/s, below which no one presses within a thousand samples."""
+
 MESHED = 5.0, 40.0
 """Least and largest width and thickness in mm of a finger that a mesh is made for."""
 
