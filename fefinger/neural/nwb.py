@@ -1,10 +1,10 @@
 """Spike trains as a file of Neurodata Without Borders (NWB), which its inspector accepts."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from fefinger.support.checks import InputError, number
 
 
 if TYPE_CHECKING:
-    from fefinger.neural.trains import SpikeTrains
+    import pandas as pd
 
 
 SIMULATED = {
@@ -41,27 +41,41 @@ EVEN = 1e-9
 """Relative difference of steps of time that are one step."""
 
 
+class Recorded(NamedTuple):
+    """What is written: spike times in s by unit, units, span in s, and what drove them.
+
+    table: one row per unit with COLUMNS first; time (n_t,) s; displacement (n_t, n_units) mm, and
+    its meaning; source: version of the program.
+    """
+
+    times: Sequence[Array]
+    table: "pd.DataFrame"
+    span: tuple[float, float]
+    time: Array
+    displacement: Array
+    meaning: str
+    notes: Sequence[str]
+    source: str
+
+
 def write(
-    trains: "SpikeTrains",
     path: str | PathLike[str],
-    provenance: Mapping[str, object],
+    recorded: Recorded,
     *,
     description: str,
     started: datetime | None,
     subject: Mapping[str, object] | None,
     resolution: float | None,
     about: Mapping[str, object] | None,
-    meaning: str,
 ) -> None:
-    """Write trains as `SpikeTrains.to_nwb` says.
-
-    `provenance` has the version of the program; `meaning` is that of the displacement.
-    """
+    """Write what was recorded as `SpikeTrains.to_nwb` says."""
     pynwb = of_extra("pynwb", "nwb")
     if resolution is None:
-        resolution = float(np.diff(trains.time).min())
+        resolution = float(np.diff(recorded.time).min())
     resolution = number("resolution", resolution, above=0, unit="s")
-    digest = hashlib.sha256(b"".join(times.tobytes() for times in (*trains.times, trains.x_in)))
+    digest = hashlib.sha256(
+        b"".join(times.tobytes() for times in (*recorded.times, recorded.displacement))
+    )
     who = _made("subject", pynwb.file.Subject, dict(SIMULATED if subject is None else subject))
     file = _made(
         "about",
@@ -71,9 +85,9 @@ def write(
             "experiment_description": description,
             "identifier": digest.hexdigest(),
             "session_start_time": started or datetime.now(UTC),
-            "source_script": provenance["source"],
+            "source_script": recorded.source,
             "source_script_file_name": "fefinger",
-            "notes": "\n".join([*trains.notes, f"seed: {trains.seed}", f"trial: {trains.trial}"]),
+            "notes": "\n".join(recorded.notes),
             "subject": who,
             **(about or {}),
         },
@@ -83,20 +97,20 @@ def write(
     )
     for name, meaning in COLUMNS.items():
         file.add_unit_column(name, meaning)
-    table = trains.units_to_pandas().iloc[:, : len(COLUMNS)]
-    for times, values in zip(trains.times, table.itertuples(index=False), strict=True):
+    table = recorded.table.iloc[:, : len(COLUMNS)]
+    for times, values in zip(recorded.times, table.itertuples(index=False), strict=True):
         file.add_unit(
             spike_times=times,
-            obs_intervals=[[trains.t_start, trains.t_stop]],
+            obs_intervals=[list(recorded.span)],
             **dict(zip(COLUMNS, values, strict=True)),
         )
     series = pynwb.TimeSeries(
         name="skin_displacement",
-        data=trains.x_in,
+        data=recorded.displacement,
         unit="meters",  # the name of NWB; readers find it beside a prefix, not "m"
         conversion=1e-3,
-        **_clock(trains.time),
-        description=f"one column per unit: {meaning}",
+        **_clock(recorded.time),
+        description=f"one column per unit: {recorded.meaning}",
     )
     file.add_stimulus(series)
     with in_place(path) as new, pynwb.NWBHDF5IO(str(new), "w") as io:

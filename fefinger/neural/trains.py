@@ -411,14 +411,23 @@ class SpikeTrains:
         """
         from fefinger.neural import nwb
 
+        recorded = nwb.Recorded(
+            times=self.times,
+            table=self.units_to_pandas(),
+            span=(self.t_start, self.t_stop),
+            time=self.time,
+            displacement=self.x_in,
+            meaning=MEANINGS["x_in"],
+            notes=[*self.notes, f"seed: {self.seed}", f"trial: {self.trial}"],
+            source=str(_provenance(self)["source"]),
+        )
         nwb.write(
-            *(self, path, _provenance(self)),
+            *(path, recorded),
             description=description,
             started=started,
             subject=subject,
             resolution=resolution,
             about=about,
-            meaning=MEANINGS["x_in"],
         )
 
 

@@ -112,7 +112,7 @@ class Scene:
                     f"pad, x within {limits[0]:g} and y within {limits[1]:g} mm, received "
                     f"{list(indenter.place)}"
                 )
-        extent = indenter.extent
+        extent = None if self.motion.slides else indenter.extent  # else its path says it
         if extent is not None and any(low >= 0 or high <= 0 for low, high in extent):
             (left, right), (low, high) = extent
             raise InputError(
@@ -141,7 +141,8 @@ class Scene:
                 raise InputError(
                     f"motion: expected a path on the object, which reaches from {range_[0]:.4g} to "
                     f"{range_[1]:.4g} mm along its {name}, received one from {low:.4g} to "
-                    f"{high:.4g} mm; take {path}, another direction or a larger object"
+                    f"{high:.4g} mm; take {path}, another direction or a larger object, or "
+                    "for a relief from a file indenter.center = true"
                 )
 
     def to_dict(self) -> dict[str, Any]:
