@@ -275,7 +275,7 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     if willing:
         return min(willing, key=lambda rung: rung.seconds)
     _check_meshable(rungs)
-    tiny = ""
+    tiny = "".join(f"{each[0].upper()}{each[1:]}. " for each in unusual(case))
     deepest = case.motion.deepest
     # A scene that is refused may have been written in m.
     if deepest is not None and deepest < 0.01:

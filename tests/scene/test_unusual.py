@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.plan import explain
+from fefinger.plan import choose
 from fefinger.results import key_numbers
 from fefinger.scene.motion import Motion
 from fefinger.scene.unusual import unusual
@@ -55,8 +55,7 @@ def test_what_is_likely_in_another_unit_is_said(
 
 
 def test_it_stands_beside_the_plan_and_the_answer(synthetic: ff.Result) -> None:
-    ask = ff.Ask(pressure=False, strain=False, fields=False, rel_error=0.2)
-    scene = ff.Scene(finger=of_moduli(0.08, 0.034), motion=PRESS, ask=ask)
-    assert "Caution: the moduli of skin" in explain(scene).sentence
+    scene = ff.Scene(finger=of_moduli(0.08, 0.034), motion=PRESS)
+    assert "Caution: the moduli of skin" in choose(scene, "pressed").sentence
     found = replace(synthetic, scene=replace(synthetic.scene, finger=scene.finger))
     assert any("as if it were in MPa" in each for each in key_numbers.cautions(found))
