@@ -58,13 +58,16 @@ ALONE = {
 }
 """Rooms that import these rooms alone."""
 
+MADE_SCANS = "fefinger.validation.evidence.scans"
+"""Makes files as people bring them, with programs that people have."""
+
 ONLY = {
     "pytetwild": "fefinger.mesh",
-    "trimesh": ("fefinger.geometry", "fefinger.mesh"),
+    "trimesh": ("fefinger.geometry", "fefinger.mesh", MADE_SCANS),
     "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
     "pyvista": (
         *("fefinger.view", "fefinger.geometry.surface_load", "fefinger.geometry.surface_repair"),
-        "fefinger.geometry.sampled_distance",
+        *("fefinger.geometry.sampled_distance", MADE_SCANS),
     ),
     "vtk": "fefinger.view",
     "numba": "fefinger.support.compiled",

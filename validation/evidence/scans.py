@@ -19,8 +19,13 @@ import trimesh
 from fefinger.validation.empty_cache import empty_cache
 from fefinger.validation.provenance import save
 
-import fefinger as ff
 from fefinger.mesh.store import load_or_build
+from fefinger.pipeline import run
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import Finger
+from fefinger.scene.indenters import Flat
+from fefinger.scene.motions import Ramp
+from fefinger.scene.scene import Scene
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -100,18 +105,18 @@ def measure(mesh: trimesh.Trimesh, resolution: str, folder: Path) -> dict[str, A
     mesh.export(path)
     started = time.process_time()
     try:
-        finger = ff.Finger.from_surface(path, tissue="maeno1998", resolution=resolution)
+        finger = Finger.from_surface(path, tissue="maeno1998", resolution=resolution)
         made = load_or_build(finger, half=True)
     except (InputError, ConvergenceError) as error:
         return {"failure": str(error)}
     seconds = time.process_time() - started
-    press = ff.Scene(
+    press = Scene(
         finger=finger,
-        indenter=ff.Flat(20),
-        motion=ff.Ramp(speed=10, depth=1.5),
-        ask=ff.Ask(rel_error=0.9, spikes=(), fields=False),
+        indenter=Flat(20),
+        motion=Ramp(speed=10, depth=1.5),
+        ask=Ask(rel_error=0.9, spikes=(), fields=False),
     )
-    force = ff.run(press, mechanics="linear").force
+    force = run(press, mechanics="linear").force
     assert force is not None  # of a mechanics with contact
     noise = [note for note in made.quality["notes"] if "The noise of the scan" in note]
     return {
