@@ -65,7 +65,8 @@ def compile_share(rewrite: ModuleType, config: Any) -> None:
     process = getattr(config, "workerinput", None)
     if process is None:
         return
-    found = {file for each in map(Path, config.args) for file in [each, *each.rglob("test_*.py")]}
+    given = [Path(each).resolve() for each in config.args]
+    found = {file for each in given for file in [each, *each.rglob("test_*.py")]}
     files = sorted(file for file in found if file.is_file())
     first = int(process["workerid"].removeprefix("gw"))
     for file in files[first :: process["workercount"]]:

@@ -91,8 +91,17 @@ def test_modules_of_tests_are_watched():
 def test_processes_share_the_compilation_of_the_modules(tmp_path, pytestconfig, monkeypatch):
     for name in "abcd":
         (tmp_path / f"test_{name}.py").write_text("assert 1" if name < "d" else "no python")
+    paths, rewritten = [], rewrite.rewrite_asserts
+    monkeypatch.chdir(tmp_path.parent)
+
+    def rewrite_asserts(tree, source, path, *others):
+        paths.append(path)
+        rewritten(tree, source, path, *others)
+
+    monkeypatch.setattr(rewrite, "rewrite_asserts", rewrite_asserts)
     process = {"workerid": "gw1", "workercount": 2}
     monkeypatch.setattr(pytestconfig, "workerinput", process, raising=False)
-    monkeypatch.setattr(pytestconfig, "args", [str(tmp_path), str(tmp_path / "test_a.py::none")])
+    monkeypatch.setattr(pytestconfig, "args", [tmp_path.name, str(tmp_path / "test_a.py::none")])
     compile_share(rewrite, pytestconfig)
+    assert paths == [str(tmp_path.resolve() / "test_b.py")]  # a relative path is not watched
     assert [file.name.partition(".")[0] for file in tmp_path.rglob("*.pyc")] == ["test_b"]

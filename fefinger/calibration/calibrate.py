@@ -120,7 +120,7 @@ def _objects(
     given: Indenter | Sequence[Indenter], files: int, has_check: bool, mechanics: str
 ) -> tuple[Indenter, ...]:
     """Return the objects of the records, and of the one to predict."""
-    objects = [given] if isinstance(given, Indenter) else list(given)
+    objects = list(given) if isinstance(given, Sequence) else [given]
     count = files + has_check
     if len(objects) not in (1, count):
         of_check = " and one for the record to predict, the last" if has_check else ""

@@ -228,10 +228,12 @@ def test_a_place_on_the_pad_is_not_refused_because_its_mesh_is_made_for_a_rounde
     assert linear.unmeshable(Situation.of(scene)) == ()
 
 
-def test_a_place_that_is_not_on_the_pad_is_refused_as_the_scene_gives_it() -> None:
-    scene = ff.Scene(finger=FINGER, indenter=ff.Sphere(5, at=(4.9, 0)), motion=ff.Ramp(60, 0.3))
+def test_a_place_from_which_no_part_of_the_pad_is_covered_is_refused_as_the_scene_gives_it() -> (
+    None
+):
+    scene = ff.Scene(finger=FINGER, indenter=ff.Sphere(5, at=(14, 0)), motion=ff.Ramp(60, 0.3))
     (said,) = linear.unmeshable(Situation.of(scene))
-    assert said.text.endswith("on the pad, received (4.9, 0.0)")
+    assert said.text.endswith("within 8.4 mm of (0, 0), received (14.0, 0.0)")
 
 
 def test_neighboring_scenes_share_a_mesh_that_is_fine_where_they_touch() -> None:

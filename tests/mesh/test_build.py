@@ -11,7 +11,7 @@ from refusals import refused
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, volumes
 from fefinger.mesh import smooth, tetrahedralize
 from fefinger.mesh.build import SETTINGS, build, sizes
-from fefinger.mesh.finger_shape import touch_point
+from fefinger.mesh.finger_shape import touch_point, touch_within
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
@@ -179,8 +179,10 @@ def test_a_rounded_place_beside_the_pad_stands_for_the_nearest_one_on_it() -> No
     with refused("indenter.at"):
         touch_point(shape, (0.0, 6.0))
     assert sizes(shape, settings, (0.0, 6.0))(on_pad[None]) == pytest.approx(settings.pad)
+    ahead = touch_within(shape, (30.0, 0.0), np.inf)
+    assert sizes(shape, settings, (30.0, 0.0))(ahead[None]) == pytest.approx(settings.pad)
     with refused("indenter.at"):
-        sizes(shape, settings, (30.0, 0.0))
+        touch_within(shape, (30.0, 0.0), 5.0)
 
 
 def test_a_recipe_without_a_touch_is_that_of_the_shipped_meshes() -> None:

@@ -45,19 +45,24 @@ def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     found = (np.zeros(3), direction(STANDARD)) if at is None else _pad_point(body, at)
     if found is None:
         placed = Obstacle(BESIDE, np.append(at or (), 0.0), indenter.profile, roll)
-        return _touching(placed, body, "indenter.at", beside=True)
+        return _touching(placed, body, "indenter.at", beside=indenter.half_sides)
     origin, axis = found
     return _touching(Obstacle(axis, origin, indenter.profile, roll), body, "indenter.at")
 
 
-def _touching(placed: Obstacle, body: Solid, field: str, *, beside: bool = False) -> Obstacle:
+def _touching(
+    placed: Obstacle, body: Solid, field: str, *, beside: tuple[float, float] | None = None
+) -> Obstacle:
     """Move the obstacle along its axis to first touch on the smooth surface of the pad.
 
-    beside: whether its foremost point is not on the pad.
+    beside: its half sides mm where its foremost point is not on the pad.
     """
     surface = trace(body.space, body.pad)
     places = smooth_places(body.space.points, body.normals, surface)
     distance, _ = placed.gap(places)
+    if beside is not None:  # the sides of a pin or a bar go on behind its rim
+        across = np.abs((places - placed.origin) @ placed.frame[:2].T)
+        distance = np.where((across <= beside).all(axis=-1), distance, np.inf)
     if not np.isfinite(distance).any():
         raise InputError(
             f"{field}: expected a place on the pad, received one that the indenter misses, or an "
@@ -71,7 +76,7 @@ def _touching(placed: Obstacle, body: Solid, field: str, *, beside: bool = False
             f"{field}: expected a first touch on the pad, received one on the border of the pad, "
             "where the finger is cut or the nail begins; choose another angle or place"
         )
-    touched = places[first] if beside else None
+    touched = None if beside is None else places[first]
     return replace(placed, origin=placed.origin + distance[first] * placed.axis, touched=touched)
 
 
