@@ -148,7 +148,8 @@ def rounded(text: str) -> str:
         tag = re.sub(r' (d|style)="[^"]*"', tight, tag)
         return tag if "'" in tag else tag.replace('"', "'")
 
-    return re.sub(r"\s*\n\s*", " ", re.sub(r"<[^>]*>", short, drawn))
+    tags = re.sub(r">\s*\n\s*<", "><", re.sub(r"<[^>]*>", short, drawn))
+    return re.sub(r"\s*\n\s*", " ", tags)
 
 
 def windows(scene: Scene, end: float) -> list[Window]:
