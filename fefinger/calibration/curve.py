@@ -9,7 +9,7 @@ the force as a whole.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -24,7 +24,7 @@ from fefinger.theory.relaxation import Prony, exprel, hereditary_integral
 
 
 if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import PPoly
 
 
 DEGREE = 4
@@ -66,10 +66,12 @@ class Curve:
     growth: float | None = None
 
     @cached_property
-    def _spline(self) -> "CubicSpline":
-        from scipy.interpolate import CubicSpline
+    def _spline(self) -> "PPoly":
+        from scipy.interpolate import PPoly
 
-        return CubicSpline(np.linspace(0.0, self.deepest, len(self.q)), self.q)
+        x = np.linspace(0.0, self.deepest, len(self.q))
+        powers = x[1] ** np.arange(3, -1, -1.0)[:, None]
+        return PPoly.construct_fast(_unit_splines(len(self.q)) @ self.q / powers, x)
 
     def power(self, depth: ArrayLike) -> Array:
         """Interpolate q (n,) at depths (n,) of 0 to `deepest` mm."""
@@ -128,6 +130,17 @@ class Curve:
         if self.growth is None:
             return np.asarray(slope)
         return np.asarray(slope + 1 / (depth * exprel(-self.growth * depth)))
+
+
+@cache
+def _unit_splines(count: int) -> Array:
+    """Return coefficients (4, count - 1, count) of cubic splines, 1 at one of the nodes 0, 1, 2 ...
+
+    A spline is linear in its values: a fit, which takes thousands, solves for these once.
+    """
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(np.arange(count), np.eye(count)).c)
 
 
 def curve(press: SlowPress) -> tuple[Curve, float]:

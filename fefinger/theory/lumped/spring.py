@@ -108,10 +108,8 @@ def force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) ->
     decay, gain = _gains(spring, prony, time, position)
     weights = prony.weights
     start = float(spring.force(position[0]))
-    total = weights[0] * spring.force(position)
-    for weight, keep, add in zip(weights[1:], decay.T, gain.T, strict=True):
-        total += weight * np.fromiter(recursion(keep, add, start), float, len(time))
-    return total
+    terms = recursion(decay, gain, start)
+    return weights[0] * spring.force(position) + terms @ np.array(weights[1:])
 
 
 def contact_force(spring: Spring, prony: Prony, time: ArrayLike, position: ArrayLike) -> Array:

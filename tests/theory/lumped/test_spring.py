@@ -120,7 +120,8 @@ def test_an_indenter_that_leaves_the_skin_never_pulls_and_finds_it_again():
     free, glued = (f(*AH, time, position) for f in (lumped.contact_force, lumped.force))
     assert free.min() == 0
     before = np.cumsum(glued < 0) == 0
-    np.testing.assert_allclose(free[before], glued[before], rtol=1e-12)
+    off = np.abs(free - glued)[before]  # by a loop over times and by passes over all of them
+    assert off.max() < 1e-12 * glued.max()
     assert 0.5 < np.mean(free > 0) < 1
     # The skin is let go for a moment, so a little less of it is left to push back later.
     assert 0 < glued[-2500:].max() - free[-2500:].max() < 0.01
