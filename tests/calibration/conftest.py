@@ -82,29 +82,39 @@ def ball_law():
     return lambda radius: family(exponents, 14.0, lambda each: ball_press(each, radius))
 
 
+@pytest.fixture(scope="session")
+def by_formula():
+    """Return a patch by which every press is the formula; it returns the list of what is asked."""
+
+    def patch(patched):
+        asked = []
+
+        def answer(finger, mechanics, part=None, spare=None, indenter=None):
+            small = mechanics == "condensed"
+            exponent = 0.0 if small else finger.subcutaneous.exponent
+            ratio = finger.skin.modulus / finger.subcutaneous.modulus / library.SKIN_RATIO
+            asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
+            if isinstance(indenter, Sphere):
+                return ball_press(exponent, indenter.radius, ratio)
+            return made(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
+
+        def of_its_modulus(finger, mechanics, part, indenter):
+            found = answer(finger, mechanics, part, indenter=indenter)
+            return replace(found, force=finger.subcutaneous.modulus / 34 * found.force)
+
+        patched.setattr(press_store, "press", answer)
+        patched.setattr(held_out, "press", of_its_modulus)
+        patched.setattr(press_store, "small", lambda finger: answer(finger, "condensed"))
+        patched.setattr(pad_radius, "thesis_fit", by_width)
+        return asked
+
+    return patch
+
+
 @pytest.fixture
-def solved(monkeypatch):
+def solved(by_formula, monkeypatch):
     """Let every press be the formula; return the list of what was asked."""
-    asked = []
-
-    def answer(finger, mechanics, part=None, spare=None, indenter=None):
-        small = mechanics == "condensed"
-        exponent = 0.0 if small else finger.subcutaneous.exponent
-        ratio = finger.skin.modulus / finger.subcutaneous.modulus / library.SKIN_RATIO
-        asked.append((mechanics, finger.resolution, finger.pad_radius, exponent, ratio))
-        if isinstance(indenter, Sphere):
-            return ball_press(exponent, indenter.radius, ratio)
-        return made(exponent, finger.pad_radius, ratio, 400 if small else 24, 2.0)
-
-    def of_its_modulus(finger, mechanics, part, indenter):
-        found = answer(finger, mechanics, part, indenter=indenter)
-        return replace(found, force=finger.subcutaneous.modulus / 34 * found.force)
-
-    monkeypatch.setattr(press_store, "press", answer)
-    monkeypatch.setattr(held_out, "press", of_its_modulus)
-    monkeypatch.setattr(press_store, "small", lambda finger: answer(finger, "condensed"))
-    monkeypatch.setattr(pad_radius, "thesis_fit", by_width)
-    return asked
+    return by_formula(monkeypatch)
 
 
 def by_width(frames):

@@ -1,7 +1,9 @@
 """Calibration on fingers whose curve is a formula; the finite elements are in the suite."""
 
+import io
 import json
 import time
+from contextlib import redirect_stdout
 from dataclasses import fields, replace
 from types import SimpleNamespace
 
@@ -82,19 +84,24 @@ def test_what_cannot_be_used_is_refused_before_anything_is_fitted(given, expecte
         ff.calibrate("press.csv", **{"finger": ff.Finger(15.0, 11.0)} | given)
 
 
-def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linear, write):
-    one, x0 = linear.at(0.9, 14.0), 0.4
-    table = record_of(one, 1.3, x0)
-    check = write(tmp_path / "wave.csv", wave_on(one, 1.3, x0))
-    started = time.process_time()
-    found = ff.calibrate(
-        write(tmp_path / "press.csv", table),
-        finger=targets.finger_of("a.h."),
-        mechanics="condensed",
-        check=check,
-    )
-    spent = time.process_time() - started
-    truth = {"t_b": 1.3, "t_m": 0.9, "x0": x0, "c0": 0.3, "c1": 0.42, "v2": 9.0, "v3": 0.6}
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory, by_formula, linear, write):
+    """Let the command fit a record and predict a sinusoid: what it prints, where, in which time."""
+    folder, one = tmp_path_factory.mktemp("fitted"), linear.at(0.9, 14.0)
+    press = write(folder / "press.csv", record_of(one, 1.3, 0.4))
+    check = write(folder / "wave.csv", wave_on(one, 1.3, 0.4))
+    words = ["calibrate", str(press), "--subject", "a.h.", "--mechanics", "condensed", "--json"]
+    out, started = io.StringIO(), time.process_time()
+    with pytest.MonkeyPatch.context() as patched, redirect_stdout(out):
+        by_formula(patched)
+        assert main([*words, "--check", str(check), "-o", str(folder / "out")]) == 0
+    return json.loads(out.getvalue()), folder, time.process_time() - started
+
+
+def test_a_record_is_calibrated_and_a_sinusoid_predicted(fitted):
+    _, folder, spent = fitted
+    found = Calibration.load(folder / "out")
+    truth = {"t_b": 1.3, "t_m": 0.9, "x0": 0.4, "c0": 0.3, "c1": 0.42, "v2": 9.0, "v3": 0.6}
     for name, value in truth.items():
         assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
         assert found[name].sd < 0.1 * value
@@ -113,10 +120,10 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(tmp_path, solved, linea
         found["depth"]
 
 
-def test_a_finger_that_does_not_show_its_record_is_no_calibration(tmp_path, solved, linear, write):
-    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
-    found = ff.calibrate(press, finger=targets.finger_of("a.h."), mechanics="condensed")
-    wanted = record_file.record(press, "coarse")
+def test_a_finger_that_does_not_show_its_record_is_no_calibration(fitted):
+    _, folder, _ = fitted
+    found = Calibration.load(folder / "out")
+    wanted = record_file.record(folder / "press.csv", "coarse")
     refuse_gross(found, wanted)
     gross = replace(found, residuals=found.residuals | {"mse": 1.5})
     with pytest.raises(ConvergenceError, match=r"received 150 %; check the size of the finger"):
@@ -219,10 +226,10 @@ def test_objects_that_do_not_fit_the_records_are_refused(given, monkeypatch, tmp
 
 
 def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
-    tmp_path, solved, law, write
+    tmp_path, solved, linear, write
 ):
     """Each has its own touch and offset; they share a delay of 0.8 ms."""
-    finger, files = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7), []
+    finger, files = ForceLaw(linear.at(0.9, 14.0), PRONY, 1.3), []
     rng = np.random.default_rng(2)
     for speed, x0, offset in ((60.0, 0.4, 0.02), (15.0, 0.5, -0.01), (30.0, 0.4, 0.03)):
         time = np.arange(0.0, 2.0, 4e-4)
@@ -232,8 +239,8 @@ def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
         table = np.column_stack([time, path + off[0], force + off[1]])
         files.append(write(tmp_path / f"{speed:g}.csv", table))
     of_ah = targets.finger_of("a.h.")
-    found = ff.calibrate(files[:2], finger=of_ah, resolution="coarse", check=files[2])
-    truth = {"exponent": 2.4, "x0": 0.4, "x0 2": 0.5, "delay": 0.8, "offset": 20, "offset 2": -10}
+    found = ff.calibrate(files[:2], finger=of_ah, mechanics="condensed", check=files[2])
+    truth = {"t_m": 0.9, "x0": 0.4, "x0 2": 0.5, "delay": 0.8, "offset": 20, "offset 2": -10}
     for name, value in truth.items():
         assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
     assert found.target == f"{files[0]}, {files[1]}"
@@ -243,16 +250,18 @@ def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
         ff.calibrate([], finger=of_ah)
 
 
-def test_a_record_that_shows_fewer_terms_is_calibrated(tmp_path, solved, law, write, monkeypatch):
+def test_a_record_that_shows_fewer_terms_is_calibrated(
+    tmp_path, solved, linear, write, monkeypatch
+):
     def joint(*record, terms):
         if terms == 3:
             raise RuntimeError("joint: the fit did not converge")
         return identify.joint(*record, terms=terms)
 
     monkeypatch.setattr(record_file, "joint", joint)
-    press = write(tmp_path / "press.csv", record_of(law.at(2.4, 14.0), 0.7, 0.4))
-    found = ff.calibrate(press, finger=targets.finger_of("a.h."), resolution="coarse")
-    assert found["exponent"].value == pytest.approx(2.4, abs=0.3)
+    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
+    found = ff.calibrate(press, finger=targets.finger_of("a.h."), mechanics="condensed")
+    assert found["t_m"].value == pytest.approx(0.9, abs=0.1)
     assert any("converges with 2 of 3 terms only" in each for each in found.unidentified)
 
 
@@ -332,17 +341,21 @@ def test_a_pad_radius_whose_r_is_as_printed_remains(monkeypatch, fitted, radius)
     assert (found, power) == (radius, pytest.approx(1.63))
 
 
-def test_the_command_prints_and_writes(tmp_path, solved, linear, write, capsys):
-    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
-    words = ["calibrate", str(press), "--subject", "a.h.", "--mechanics", "condensed"]
-    assert main([*words, "--json", "-o", str(tmp_path / "out")]) == 0
-    out = json.loads(capsys.readouterr().out)
-    assert [each["target"] for each in out["calibrations"]] == [str(press)]
+def test_the_command_prints_and_writes(fitted, monkeypatch, capsys):
+    out, folder, _ = fitted
+    press = str(folder / "press.csv")
+    assert [each["target"] for each in out["calibrations"]] == [press]
     assert [file.split("/")[-1] for file in out["files"]] == [
         "calibration.json",
         "calibration.html",
     ]
-    assert main(words) == 0
+    found, given = Calibration.load(folder / "out"), []
+    assert out["calibrations"] == json.loads(json.dumps([found.record()]))  # exact: as written
+    monkeypatch.setattr(
+        "fefinger.calibration.calibrate.calibrate", lambda *all, **how: given.append(all) or found
+    )
+    assert main(["calibrate", press, "--subject", "a.h.", "--mechanics", "condensed"]) == 0
+    assert given == [((press,),)]
     text = capsys.readouterr().out
     for said in ("Fitted ", "t_m", "+-", "not identified: pad_radius", "no tissue.toml"):
         assert said in text
