@@ -119,20 +119,37 @@ def svg(drawn: "Figure") -> str:
 
 
 def rounded(text: str) -> str:
-    """Return an SVG text on one line, a third as long in the address of a picture in a page.
+    """Return an SVG text on one line, a fifth as long in the address of a picture in a page.
 
-    Coordinates are rounded to 0.01 pt, names that nothing refers to are left out, and tags have the
-    quotes that an address does not escape.
+    Coordinates are rounded to 0.01 pt; metadata, names that nothing refers to, spaces and repeated
+    commands of paths are left out, and tags have the quotes that an address does not escape.
     """
     drawn = text[text.index("<svg") :]  # without the declaration of XML
+    drawn = re.sub(r"<metadata>.*?</metadata>", "", drawn, flags=re.DOTALL)
     used = set(re.findall(r"#([\w-]+)", drawn))
 
+    def number(found: re.Match[str]) -> str:
+        return f"{float(found[0]):.2f}".rstrip("0").rstrip(".")
+
+    def tight(found: re.Match[str]) -> str:
+        if found[1] == "style":
+            return re.sub("([:;]) ", r"\1", found[0])
+        path = re.sub(r"\s*([MLQCz])\s*", r"\1", found[0])
+        # A line goes on from a start, and from a line, without its letter.
+        return re.sub(
+            r"[ML][^MLQCz]*(L[^MLQCz]*)+",
+            lambda run: run[0][0] + run[0][1:].replace("L", " "),
+            path,
+        )
+
     def short(found: re.Match[str]) -> str:
-        tag = re.sub(r"\d+\.\d{3,}", lambda number: f"{float(number[0]):.2f}", found[0])
+        tag = re.sub(r"\d+\.\d+", number, found[0])
         tag = re.sub(r' id="([^"]*)"', lambda name: name[0] if name[1] in used else "", tag)
+        tag = re.sub(r' (d|style)="[^"]*"', tight, tag)
         return tag if "'" in tag else tag.replace('"', "'")
 
-    return re.sub(r"\s*\n\s*", " ", re.sub(r"<[^>]*>", short, drawn))
+    tags = re.sub(r">\s*\n\s*<", "><", re.sub(r"<[^>]*>", short, drawn))
+    return re.sub(r"\s*\n\s*", " ", tags)
 
 
 def windows(scene: Scene, end: float) -> list[Window]:
