@@ -58,7 +58,7 @@ class Finding(NamedTuple):
 
 
 def findings(target: RecordTarget, values: Values, deviations: Values) -> tuple[Finding, ...]:
-    """Return what is wrong with a record and its rig; values and deviations of its fit."""
+    """List the faults of a record and its rig; values and deviations of its fit."""
     found = [
         *_of_rig(target, values, deviations),
         *_before_touch(target),

@@ -83,7 +83,7 @@ def _parts(found: Calibration) -> Iterator[dict[str, object]]:
 
 
 def summary(press: PressFit) -> str:
-    """Return how far the model of a press is off, in a sentence with units."""
+    """State the misfit of the model of a press in a sentence with units."""
     off = np.subtract(press.model, press.force)
     force = np.array(press.force)
     rms, share = float(np.sqrt(np.mean(off**2))), float(off.var() / force.var())

@@ -108,7 +108,7 @@ def rows(result: ResultRecord) -> list[tuple[str, str]]:
 
 
 def beside_record(result: ResultRecord) -> str:
-    """Return how far the answer is from what the record has beside its motion; "" without that."""
+    """Compare the answer with the quantity recorded beside its motion; "" without one."""
     motion = result.scene.motion
     measured = motion.beside(result.time)
     answer = result.depth if motion.by_force else result.force

@@ -220,7 +220,7 @@ class Motion(ABC):
         return 0.0
 
     def beside(self, t: ArrayLike) -> Array | None:
-        """Return what was measured beside the motion at times `t` in s: N, or mm; None without."""
+        """Interpolate the quantity measured beside the motion at times `t` in s: N, or mm; None without."""
         return None
 
     @property

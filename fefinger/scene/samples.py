@@ -113,7 +113,7 @@ class SampledMotion(Motion):
         return self.time[0]
 
     def beside(self, t: ArrayLike) -> Array | None:
-        """Return what was measured beside the motion at times `t` in s: N, or mm; None without.
+        """Interpolate the quantity measured beside the motion at times `t` in s: N, or mm; None without.
 
         A force has no reading before contact.
         """

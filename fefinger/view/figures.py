@@ -119,7 +119,7 @@ def svg(drawn: "Figure") -> str:
 
 
 def rounded(text: str) -> str:
-    """Return an SVG text on one line, a fifth as long in the address of a picture in a page.
+    """Shorten an SVG text, on one line: in the address of a picture in a page it takes 0.6 of it.
 
     Coordinates are rounded to 0.01 pt; metadata, names that nothing refers to, spaces and repeated
     commands of paths are left out, and tags have the quotes that an address does not escape.

@@ -187,9 +187,11 @@ def test_a_result_with_friction_is_saved_and_read_again(tmp_path: Path):
     result = ff.run(scene, mechanics="condensed")
     result.save(tmp_path)
     again = ff.load(tmp_path)
-    for name in ("shift", "force", "torque", "stick_area", "traction", "slip", "work"):
+    for name in ("shift", "force", "torque", "stick_area", "work"):
+        # exact: a file keeps every bit
+        assert np.array_equal(getattr(again.lateral, name), getattr(result.lateral, name))
+    for name in ("traction", "slip"):  # of every vertex, in single precision
         given, read = getattr(result.lateral, name), getattr(again.lateral, name)
-        # A file has what is of every vertex in single precision.
         np.testing.assert_allclose(read, given, rtol=1e-6, atol=1e-6 * np.abs(given).max())
     data = netcdf.dataset(result)
     assert data["lateral_force"].attrs["units"] == "N"

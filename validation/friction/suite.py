@@ -221,7 +221,7 @@ WIDE = (
 MESHED = f"{WIDE}; on exact layers the range is larger: the rest is the mesh"
 
 CLOSE = (
-    "units answer each of the dots 1.41 mm apart, at 43 Hz, and fire three times as often as "
+    "units fire twice a dot where 43 dots a second come 1.41 mm apart, three times as often as "
     "recorded ones; over the five wider spacings the correlation is 0.85 on the mesh, and 0.88 on "
     "exact layers"
 )

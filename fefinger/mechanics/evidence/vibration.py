@@ -124,7 +124,7 @@ def left_out(case: Situation) -> tuple[float, str]:
 
 
 def noise_error(case: Situation) -> float:
-    """Return what noise in the samples of a motion adds to the force, over its peak.
+    """Estimate the force that noise in the samples of a motion adds, over the peak force.
 
     It is the amplitude of a sine of as much power. Above the resonances the skin hardly follows a
     force, so inertia takes from the answer about what noise adds; of a depth the root mean square
