@@ -75,7 +75,9 @@ class Work:
             finite = MECHANICS[mechanics].finite
             spare = LATER if finger.resolution in self._buckling else SPARE
             self._presses[wanted] = (
-                press(finger, mechanics, part, spare, indenter) if finite else small(finger)
+                press(finger, mechanics, part, spare, indenter)
+                if finite
+                else small(finger, indenter)
             )
             self._note(finger, self._presses[wanted])
         return self._presses[wanted]

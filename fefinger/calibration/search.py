@@ -22,7 +22,7 @@ from fefinger.calibration.press_store import Work
 from fefinger.calibration.rare_faults import with_rare
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.records_target import indenters, presses
-from fefinger.calibration.slow_press import PART, PLATE
+from fefinger.calibration.slow_press import PART, PLATE, SlowPress
 from fefinger.calibration.targets import Target
 from fefinger.scene.indenter import Indenter
 
@@ -115,14 +115,19 @@ class Search:
         """
         work = self.work
         radius, mesh = work.finger.pad_radius, work.finger.resolution
+        (indenter,) = self._indenters
+
+        def small(radius: float) -> SlowPress:
+            return work.press("condensed", mesh, radius, indenter=indenter)
+
         with work.stage("condensed") as misfit:
-            linear = family((1.0,), radius, lambda _: work.press("condensed", mesh, radius))
+            linear = family((1.0,), radius, lambda _: small(radius))
             result = self._solved(linear, radius)
             misfit(result.solution.misfit)
         if self.frames is not None:
             with work.stage("array") as misfit:
                 other = SMALLER * radius
-                linear = linear.with_radius(work.press("condensed", mesh, other), 1.0, other)
+                linear = linear.with_radius(small(other), 1.0, other)
                 radius, power = self._radius(linear, (radius, other), result)
                 result = self._solved(linear, radius, result)
                 spread = self._spread(result, radius, power)

@@ -106,16 +106,16 @@ def _read(place: Path) -> SlowPress:
         return SlowPress(depth, force, read, area, float(stored["seconds"]), str(stored["halt"]))
 
 
-def small(finger: Finger) -> SlowPress:
+def small(finger: Finger, indenter: Indenter = PLATE) -> SlowPress:
     """Press at small strain: by `condensed` or, where contact leaves its operator, by `linear`.
 
     The operator of `condensed` ends at the sides of the finger, where a flat pad has contact
     candidates; `linear` gives the same numbers.
     """
     try:
-        return press(finger, "condensed")
+        return press(finger, "condensed", indenter=indenter)
     except InputError:
-        return press(finger, "linear")
+        return press(finger, "linear", indenter=indenter)
 
 
 def pressed(finger: Finger, part: float = PART["solid"], indenter: Indenter = PLATE) -> Scene:

@@ -104,7 +104,9 @@ def by_formula():
 
         patched.setattr(press_store, "press", answer)
         patched.setattr(held_out, "press", of_its_modulus)
-        patched.setattr(press_store, "small", lambda finger: answer(finger, "condensed"))
+        patched.setattr(
+            press_store, "small", lambda finger, of: answer(finger, "condensed", indenter=of)
+        )
         patched.setattr(pad_radius, "thesis_fit", by_width)
         return asked
 

@@ -24,6 +24,7 @@ from fefinger.calibration import (
     press_store,
     record_file,
     search,
+    slow_press,
     targets,
 )
 from fefinger.calibration.curve import ForceLaw
@@ -118,6 +119,24 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(fitted):
     assert np.shape(found.correlations) == (13, 13) == (len(found.parameters),) * 2
     with pytest.raises(KeyError, match="'depth': expected one of the parameters t_b, t_m, x0"):
         found["depth"]
+
+
+def test_condensed_presses_by_the_object_of_the_record(
+    tmp_path, monkeypatch, solved, linear, write
+):
+    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
+    answer, objects = press_store.small, []
+
+    def small(finger, indenter):
+        objects.append(indenter)
+        return answer(finger, indenter)
+
+    monkeypatch.setattr(press_store, "small", small)
+    how = {"finger": targets.finger_of("a.h."), "mechanics": "condensed"}
+    ff.calibrate(press, indenter=ff.Sphere(5), **how)
+    assert set(objects) == {ff.Sphere(5)}
+    monkeypatch.setattr(slow_press, "press", lambda finger, mechanics, indenter: indenter)
+    assert slow_press.small(how["finger"], ff.Sphere(5)) == ff.Sphere(5)
 
 
 def test_a_finger_that_does_not_show_its_record_is_no_calibration(fitted):
