@@ -220,7 +220,10 @@ class Motion(ABC):
         return 0.0
 
     def beside(self, t: ArrayLike) -> Array | None:
-        """Interpolate the quantity measured beside the motion at times `t` in s: N, or mm; None without."""
+        """Interpolate the force in N or depth in mm recorded beside the motion; None without one.
+
+        t (...,) s.
+        """
         return None
 
     @property

@@ -113,9 +113,9 @@ class SampledMotion(Motion):
         return self.time[0]
 
     def beside(self, t: ArrayLike) -> Array | None:
-        """Interpolate the quantity measured beside the motion at times `t` in s: N, or mm; None without.
+        """Interpolate the force in N or depth in mm recorded beside the motion; None without one.
 
-        A force has no reading before contact.
+        t (...,) s. A force has no reading before contact.
         """
         if self.measured is None:
             return None
