@@ -15,11 +15,6 @@ except KeyboardInterrupt:  # Ctrl-C before the signals are blocked
     sys.exit(130)
 
 
-COLLECT = 20_000
-"""New objects per garbage collection: imports make 400,000 that stay, and to look through them as
-often as by default takes a second of a run."""
-
-
 def _open_streams() -> None:
     """Open standard streams that the caller has closed, as by `2>&-`: what is written is dropped.
 
@@ -36,7 +31,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status; by default with the process's arguments."""
     if arguments is None:
         _open_streams()
-        gc.set_threshold(COLLECT)
+        # New objects per garbage collection: imports make 400,000 that stay, and to look through
+        # them as often as by default takes a second of a run.
+        collect = 20_000
+        gc.set_threshold(collect)
         return interruptible(lambda: main(sys.argv[1:]))
     from fefinger.commands.cli import run
 

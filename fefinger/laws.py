@@ -30,9 +30,6 @@ STRETCHES = np.exp(0.1 * np.array([[1.0, -0.5], [-1.0, 0.5], [1.0, 0.0], [0.1, -
 STEP = 1e-4
 """Change of I1 and I2 for derivatives by differences."""
 
-FITS = 1e-6
-"""Relative error of a derivative, by which rounding may differ from differences of the energy."""
-
 DERIVATIVES = ("W", "dW/dI1", "dW/dI2", "d²W/dI1²", "d²W/dI1dI2", "d²W/dI2²")
 
 
@@ -154,7 +151,10 @@ class Law:
     def _compare(self, values: Sequence[float]) -> None:
         rest = self.at(0.0, 0.0, values)
         modulus = 2 * float(rest.w1 + rest.w2)
-        if not (abs(float(rest.w)) < FITS and abs(modulus - 1) < FITS):
+        # Relative error of a derivative, by which rounding may differ from differences of the
+        # energy.
+        fits = 1e-6
+        if not (abs(float(rest.w)) < fits and abs(modulus - 1) < fits):
             raise InputError(
                 f"law {self._text(values)}: expected at rest an energy of 0 and a shear modulus "
                 f"2 (dW/dI1 + dW/dI2) of 1, received {float(rest.w):.6g} and {modulus:.6g}; the "
@@ -164,7 +164,7 @@ class Law:
         exact = self.at(i1, i2, values)
         for k, by, source in ((1, 0, 0), (2, 1, 0), (3, 0, 1), (4, 1, 1), (4, 0, 2), (5, 1, 2)):
             slope, doubt = self._slope(i1, i2, values, source, by)
-            wrong = ~(np.abs(exact[k] - slope) <= FITS * (np.abs(exact[k]) + 0.5) + 2 * doubt)
+            wrong = ~(np.abs(exact[k] - slope) <= fits * (np.abs(exact[k]) + 0.5) + 2 * doubt)
             wrong &= np.isfinite(exact.w) & np.isfinite(slope)
             if wrong.any():
                 n = int(np.argmax(wrong))

@@ -23,24 +23,8 @@ from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
 
 
-QUADRATURE = 80
-"""Smallest number of points of the radial convolution; 40 give the same eight digits at 4 sigma."""
-
-PER_SIGMA = 3.0
-"""Points of the radial convolution per sigma of its reach: they are less than a sigma apart."""
-
-
-COARSEST = 1.5
-"""Largest spacing of points over sigma: the error of their sum as an integral of the Gaussian is
-then 2 exp(-2 pi² sigma² / spacing²) = 3e-4 (Poisson summation)."""
-
-FEWEST = 4
-"""Fewest frames of a press, for three fitted parameters."""
-
 PRESSURE = (1.0, 500.0)
 """Range in kPa of the largest reading of an array on a finger."""
-
-TABLE = 120  # number of contact radii, and of distances, in the table of the blurred pressure
 
 
 @dataclass(frozen=True)
@@ -92,8 +76,11 @@ class ArraySensor:
             raise ValueError(msg)
         elastic.numbers("points", "places", points)
         side = float(np.sqrt(elastic.numbers("points", "areas", areas, above=0.0).max()))
-        if side > COARSEST * self.sigma:
-            limit = COARSEST * self.sigma
+        # Largest spacing of points over sigma: the error of their sum as an integral of the
+        # Gaussian is then 2 exp(-2 pi² sigma² / spacing²) = 3e-4 (Poisson summation).
+        coarsest = 1.5
+        if side > coarsest * self.sigma:
+            limit = coarsest * self.sigma
             msg = f"areas: expected sides up to {limit:.3g} mm (sigma), received {side:.3g} mm"
             raise ValueError(msg)
         square = ((self.positions[:, None] - points) ** 2).sum(axis=-1)
@@ -112,7 +99,11 @@ def blurred(
 
     elastic.require_positive("blurred", reach=reach, sigma=sigma)
     r = elastic.numbers("blurred", "r", r)
-    count = max(QUADRATURE, math.ceil(PER_SIGMA * reach / sigma))
+    # Smallest number of points of the radial convolution; 40 give the same eight digits at 4 sigma.
+    quadrature = 80
+    # Points of the radial convolution per sigma of its reach: they are less than a sigma apart.
+    per_sigma = 3.0
+    count = max(quadrature, math.ceil(per_sigma * reach / sigma))
     nodes, weights = np.polynomial.legendre.leggauss(count)
     # s = reach sin(angle) removes the square root in which the pressure ends.
     angle = np.pi / 4 * (nodes + 1)
@@ -138,8 +129,10 @@ class BlurredCap:
     def __init__(self, widest: float, farthest: float) -> None:
         from scipy.interpolate import RectBivariateSpline
 
-        radii = np.linspace(0.0, widest, TABLE)
-        distances = np.linspace(0.0, farthest, TABLE)
+        # Number of contact radii, and of distances, in the table of the blurred pressure.
+        table = 120
+        radii = np.linspace(0.0, widest, table)
+        distances = np.linspace(0.0, farthest, table)
         rows = [np.zeros_like(distances)]
         rows += [blurred(_cap(a), a, distances) for a in radii[1:].tolist()]
         self.widest = widest
@@ -272,8 +265,9 @@ def frames(file: str | Path) -> Frames:
     wanted = ("time", "position", *(f"p{i} in kPa" for i in range(1, count + 1)))
     table = recording_files.read(str(file), file).pick(wanted, slow=True)
     time, depth, pressure = table[:, 0], table[:, 1], table[:, 2:]
-    if len(table) < FEWEST:
-        msg = f"{file}: expected {FEWEST} frames or more of a slow press, received {len(table)}"
+    fewest = 4  # fewest frames of a press, for three fitted parameters
+    if len(table) < fewest:
+        msg = f"{file}: expected {fewest} frames or more of a slow press, received {len(table)}"
         raise InputError(msg)
     (low, high), largest = PRESSURE, float(pressure.max())
     if largest <= 0:

@@ -35,12 +35,6 @@ Steps on the standard mesh are then off by 0.2 %, and by 0.7 % of one in the dep
 also depends on how deep the press is: by 1.2 % between 0.3 and 1.2 mm, instead of 0.4 %.
 """
 
-DENSE = 100
-"""Number of steps from which q interpolates all of them, as for presses at small strain."""
-
-SHALLOW = 0.1
-"""Share of the depth below which the contact is too small on the mesh to determine q."""
-
 NODES = 161
 """Evenly spaced depths at which q is stored; it is interpolated by a cubic spline."""
 
@@ -148,15 +142,19 @@ def curve(press: SlowPress) -> tuple[Curve, float]:
     x, force = press.depth, press.force
     power, deepest = np.log(force / x**1.5), float(x[-1])
     even = np.linspace(0.0, deepest, NODES)
-    if len(x) >= DENSE:
+    # Number of steps from which q interpolates all of them, as for presses at small strain.
+    dense = 100
+    # Share of the depth below which the contact is too small on the mesh to determine q.
+    shallow = 0.1
+    if len(x) >= dense:
         q = np.asarray(np.interp(even, x, power))
     else:
-        weights = np.minimum(x / (SHALLOW * deepest), 1.0)
+        weights = np.minimum(x / (shallow * deepest), 1.0)
         fitted_q = polynomial.polyfit(np.sqrt(x), power, DEGREE, w=weights)
         q = np.asarray(polynomial.polyval(np.sqrt(even), fitted_q))
     share = press.array_pressure / (1e3 * force[:, None])
     fitted = Curve(q, deepest, _columns(np.linspace(0.0, deepest, SHARES), x, share))
-    deep = x > SHALLOW * deepest
+    deep = x > shallow * deepest
     return fitted, float(np.abs(fitted.force(x[deep]) / force[deep] - 1).max())
 
 

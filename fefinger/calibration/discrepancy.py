@@ -18,9 +18,6 @@ LARGEST = 0.5
 MERGED = 4
 """Neighboring data that are averaged for this: the errors are smooth, and the noise is known."""
 
-GRID = 5
-"""Sizes of a process that are tried before the search, between its least and LARGEST."""
-
 
 def sizes(
     residual: Array,
@@ -65,7 +62,8 @@ def sizes(
         beyond = float(np.sum(np.maximum(low - logs, 0) + np.maximum(logs - high, 0)))
         return _unlikely(residual, by_parameters, weight, pull, covariance) + 1e3 * beyond
 
-    axes = [np.linspace(each, high, GRID) for each in low]
+    grid = 5  # sizes of a process that are tried before the search, between its least and LARGEST
+    axes = [np.linspace(each, high, grid) for each in low]
     starts = np.stack([each.ravel() for each in np.meshgrid(*axes)], axis=1)
     start = min(starts, key=unlikely)
     simplex = np.vstack([start, *(start + 0.5 * row for row in np.eye(len(start)))])

@@ -19,18 +19,8 @@ from fefinger.support.arrays import Array
 from fefinger.theory.lumped.ramp_hold import smooth
 
 
-AVERAGES = 400
-"""Largest number of averages that are kept for a page."""
-
-DEEPER = 1.1
-"""Depth of the press by another object over the largest depth of its record, from where the force
-first shows: touch is a little before."""
-
 SHOWS = 0.01
 """Part of the largest force from which it shows that an object touches."""
-
-EARLIER = 0.5
-"""Travel in mm before that, within which touch is sought."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +58,8 @@ def checked(
     # As many averages where it moves as in time.
     gone = np.append(0.0, np.cumsum(np.abs(np.diff(smooth(held.position)))))
     part = gone / gone[-1] + np.linspace(0, 1, len(gone))
-    starts = np.unique((part * AVERAGES / 2).astype(int), return_index=True)[1]
+    averages = 400  # largest number of averages that are kept for a page
+    starts = np.unique((part * averages / 2).astype(int), return_index=True)[1]
     size = np.diff([*starts.tolist(), len(gone)])
     rows = [
         plain(np.add.reduceat(each, starts) / size)
@@ -96,7 +87,10 @@ def _seen(
 def _law(done: Calibration, work: Work, held: Held) -> ForceLaw:
     """Return the force law of the fitted finger under another object, by a press on its mesh."""
     finger = fitted_finger(done, work.finger)
-    deep = DEEPER * (float(held.position.max()) - held.shows)
+    # Depth of the press by another object over the largest depth of its record, from where the
+    # force first shows: touch is a little before.
+    deeper = 1.1
+    deep = deeper * (float(held.position.max()) - held.shows)
     with work.stage("press of the record that was not fitted"):
         pressed = press(finger, done.mechanics, deep / finger.thickness, indenter=held.indenter)
     return ForceLaw(curve(pressed)[0], done.prony)
@@ -118,5 +112,6 @@ def _touch(
     def off(x0: float) -> float:
         return float(np.sum((_seen(done, law, held, fitted, x0) - held.force) ** 2))
 
-    bounds = (held.shows - EARLIER, held.shows)
+    earlier = 0.5  # travel in mm before the force shows, within which touch is sought
+    bounds = (held.shows - earlier, held.shows)
     return float(minimize_scalar(off, bounds=bounds, method="bounded").x)

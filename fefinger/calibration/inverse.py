@@ -17,18 +17,11 @@ if TYPE_CHECKING:
 Values = dict[str, float]
 Residual = Callable[[Values], Array]
 
-STEP = 1e-4
-"""Step of the central differences, in the logarithm of a parameter or in its unit."""
-
 EVALUATIONS = 200  # of one search; LONGER ones follow along directions that the data leave flat
 
 LONGER, LEVEL = 2000, 1e-6
 """Evaluations of a search along a direction that the data hardly determine, and the relative change
 of the misfit at which it ends: far below the scatter of the data."""
-
-WEAK = 1.0
-"""A direction of the parameters counts as unidentified if a change by one standard deviation of its
-prior changes the model by at most this many standard deviations of the data."""
 
 
 @dataclass(frozen=True)
@@ -159,10 +152,11 @@ def solve(
 def jacobian(residual: Residual, unknowns: Sequence[Unknown], values: Values) -> Array:
     """Jacobian (n, n_unknowns) with respect to the fitted numbers, by central differences."""
     columns = []
+    step = 1e-4  # step of the central differences, in the logarithm of a parameter or in its unit
     for each in unknowns:
         here = each.inside(values[each.name])
-        ends = [values | {each.name: each.outside(here + side * STEP)} for side in (1, -1)]
-        columns.append((residual(ends[0]) - residual(ends[1])) / (2 * STEP))
+        ends = [values | {each.name: each.outside(here + side * step)} for side in (1, -1)]
+        columns.append((residual(ends[0]) - residual(ends[1])) / (2 * step))
     return np.stack(columns, axis=1)
 
 
@@ -254,8 +248,11 @@ def _weak(unknowns: Sequence[Unknown], information: Array) -> tuple[str, ...]:
     )
     values, vectors = np.linalg.eigh(information[np.ix_(judged, judged)] * np.outer(prior, prior))
     sentences = []
+    # A direction of the parameters counts as unidentified if a change by one standard deviation of
+    # its prior changes the model by at most this many standard deviations of the data.
+    weak = 1.0
     for value, vector in zip(values, vectors.T, strict=True):
-        if value > WEAK**2:
+        if value > weak**2:
             continue
         power = vector / prior
         power = power / power[np.argmax(np.abs(power))]

@@ -28,9 +28,6 @@ HEAVIEST = 2.3
 LEVELS = 20
 """Number of fitted frames, evenly spaced over the depth."""
 
-SEEDS = 5
-"""Number of noisy simulations for the scatter of a fitted R."""
-
 ROUNDING = 0.5 / np.sqrt(3.0)
 """Standard deviation in mm of an R that is printed to the mm."""
 
@@ -148,5 +145,6 @@ def nearer(
 
 def scatter(law: ForceLaw) -> float:
     """Simulate the standard deviation of the fitted R in mm due to the noise of the array."""
-    fits = [thesis_fit(simulated(law, seed=seed)).radius for seed in range(SEEDS)]
+    seeds = 5  # number of noisy simulations for the scatter of a fitted R
+    fits = [thesis_fit(simulated(law, seed=seed)).radius for seed in range(seeds)]
     return float(np.std(fits, ddof=1))

@@ -23,10 +23,6 @@ from fefinger.scene.indenter import Indenter
 from fefinger.support.progress import Progress
 
 
-HALVINGS = 6
-"""Largest number of halvings of the change from a feasible pad radius to an infeasible one."""
-
-
 class Work:
     """Presses of one finger, with their progress and their cost by stage."""
 
@@ -101,7 +97,9 @@ class Work:
     def reachable(self, radius: float) -> float:
         """Limit a pad radius in mm to one that is feasible for the finger's size."""
         start = self.finger.pad_radius
-        for _ in range(HALVINGS):
+        # Largest number of halvings of the change from a feasible pad radius to an infeasible one.
+        halvings = 6
+        for _ in range(halvings):
             if shapable(replace(self.finger, pad_radius=radius)):
                 return radius
             radius = math.sqrt(radius * start)

@@ -11,9 +11,6 @@ from fefinger.calibration.rig import SHARED
 from fefinger.theory.lumped.ramp_hold import SMOOTHING, STEPPED, RampHold, smooth
 
 
-SURE = 3.0
-"""Standard deviations from 0 from which a fault of the rig is told."""
-
 SEEN = {"delay": 0.1, "lag": 0.1, "compliance": 5e-3, "offset": 5.0, "drift": 2.0}
 """Sizes in the units of a Rig below which its faults are not told, as they are in the fit."""
 
@@ -37,12 +34,6 @@ CONTACT = 0.02
 
 AT_TOP = 5
 """Successive samples at the largest force that noise does not give."""
-
-SHORT = 0.02
-"""Time in s of a rest before touch below which the offset of the force is hardly known."""
-
-FEW = 60
-"""Samples of a ramp in contact below which its force is coarse, as the corner is."""
 
 
 class Finding(NamedTuple):
@@ -82,7 +73,8 @@ def marks(found: Iterable[Finding]) -> tuple[tuple[float, str], ...]:
 
 def is_seen(name: str, value: float, sd: float) -> bool:
     """Whether a rig does something beyond doubt, and enough to be told; in the units of a Rig."""
-    return abs(value) > max(SURE * sd, SEEN[name])
+    sure = 3.0  # standard deviations from 0 from which a fault of the rig is told
+    return abs(value) > max(sure * sd, SEEN[name])
 
 
 def _of_rig(target: RecordTarget, values: Values, deviations: Values) -> Iterator[Finding]:
@@ -113,7 +105,9 @@ def _before_touch(target: RecordTarget) -> Iterator[Finding]:
             when,
         )
     free = float(record.time[max(record.touch - 1, 0)] - record.time[0])
-    if free < SHORT:
+    # Time in s of a rest before touch below which the offset of the force is hardly known.
+    short = 0.02
+    if free < short:
         yield Finding(
             f"no free stretch: {1e3 * free:.2g} ms before touch; offset and noise of the force are "
             "hardly known, begin the record some 100 ms earlier",
@@ -164,7 +158,8 @@ def _sampled(target: RecordTarget, values: Values) -> Iterator[Finding]:
     count = record.hold - record.touch
     rate = values.get("v1", 0.0)
     step = float(np.median(np.diff(record.time[record.touch : record.hold + 1])))
-    if count < FEW or rate * step > 1:
+    few = 60  # samples of a ramp in contact below which its force is coarse, as the corner is
+    if count < few or rate * step > 1:
         yield Finding(
             f"sampling: {count} samples on the ramp in contact, one every {1e3 * step:.3g} ms, and "
             f"the fastest term fades in {1e3 / max(rate, 1e-9):.3g} ms; sample faster, or ramp "

@@ -19,14 +19,8 @@ from fefinger.theory.lumped.identify import TERMS, Identification, joint
 from fefinger.theory.lumped.ramp_hold import SMOOTHING, RampHold, free_samples, split
 
 
-LIVELY = 1e-3
-"""Smallest relative fall of the force in a hold that counts as relaxation."""
-
 STIFFNESS = (0.02, 100.0)
 """Range in N/mm of a fingertip's stiffness at half of its largest force, with a wide margin."""
-
-FEWEST = 4
-"""Fewest samples of a motion to predict."""
 
 FREE = 5
 """Fewest samples before contact by which the offset of the force is known."""
@@ -131,8 +125,9 @@ def motion(
     The force is tared by the rest before contact, if there is one. Raises InputError as
     `lumped_fit.read`.
     """
+    fewest = 4  # fewest samples of a motion to predict
     time, position, force = lumped_fit.read(
-        file, fewest=FEWEST, of="a motion to predict", columns=columns
+        file, fewest=fewest, of="a motion to predict", columns=columns
     )
     free = free_samples(force)
     tare = float(force[:free].mean()) if FREE <= free < len(force) else 0.0
@@ -147,7 +142,8 @@ def _check_finger(name: str, parts: RampHold, lumped: Identification) -> None:
     hold = parts.force[parts.hold :]
     early = float(hold[: max(5, len(hold) // 50)].mean())
     late = float(hold[-len(hold) // 5 :].mean())
-    if late > (1 - LIVELY) * early:
+    lively = 1e-3  # smallest relative fall of the force in a hold that counts as relaxation
+    if late > (1 - lively) * early:
         raise InputError(
             f"{name}: expected a force that falls in the hold, because a finger relaxes, received "
             f"{early:.4g} N at its start and {late:.4g} N at its end; check that this is a finger "

@@ -23,9 +23,6 @@ from fefinger.theory.lumped.spring import force as lumped_force
 from fefinger.theory.relaxation import hereditary_integral
 
 
-LATEST = 0.03
-"""Largest delay in s that is read from the peak of a force; a later peak is none of a corner."""
-
 PEAK = 3
 """Samples that are averaged to find the peak of the force."""
 
@@ -53,16 +50,6 @@ ONE_G = 7e-4
 A law with one G misses a finger whose stress relaxes at finite strain by as much, in a noise-free
 press by `solid`.
 """
-
-NEWTON = 2
-"""Steps to the depth under a rig that gives: each leaves a tenth of the noise of the measured
-force, which the tissue remembers."""
-
-SLOWLY = 1.0
-"""Correlation length of the error of the relaxation in the logarithm of the time since touch."""
-
-AT_TOUCH = 1e-3
-"""Time in s after touch below which that logarithm is that of this time."""
 
 TOLD = {"force": 0.015, "relaxation": 0.006}
 """Relative model errors from which on they are told: beyond those of meshes and of one G."""
@@ -168,7 +155,10 @@ class RecordTarget:
             return np.asarray(path)
         seen = np.interp(self.trace.node_time, self.trace.time, self.force)
         depth = path - give * (seen - self.tare)
-        for _ in range(NEWTON):
+        # Steps to the depth under a rig that gives: each leaves a tenth of the noise of the
+        # measured force, which the tissue remembers.
+        newton = 2
+        for _ in range(newton):
             off = path - give * law.loading(self.trace.node_time, depth) - depth
             depth = depth + off / (1 + give * slopes(law, depth) / law.prony.long_time)
         return np.asarray(depth)
@@ -311,9 +301,13 @@ class RecordTarget:
         both = np.multiply.outer(seen, seen)
         apart = np.abs(np.subtract.outer(self.position, self.position))
         since = self.trace.time - self.record.time[self.record.touch]
-        late = np.log(np.maximum(since, AT_TOUCH))
+        at_touch = 1e-3  # time in s after touch from which its logarithm counts
+        late = np.log(np.maximum(since, at_touch))
         later = np.abs(np.subtract.outer(late, late))
-        return [both * np.exp(-apart / LENGTH), both * np.exp(-later / SLOWLY)]
+        # Correlation length of the error of the relaxation in the logarithm of the time since
+        # touch.
+        slowly = 1.0
+        return [both * np.exp(-apart / LENGTH), both * np.exp(-later / slowly)]
 
 
 def slopes(law: ForceLaw, depth: Array) -> Array:
@@ -328,7 +322,9 @@ def peak_after_corner(record: RampHold) -> float:
     """Return the time in s from the corner of a ramp to the largest force: a first delay."""
     peak = int(np.argmax(smooth(record.force, PEAK)))
     late = float(record.time[peak] - record.time[record.hold])
-    return late if abs(late) < LATEST else 0.0
+    # Largest delay in s that is read from the peak of a force; a later peak is none of a corner.
+    latest = 0.03
+    return late if abs(late) < latest else 0.0
 
 
 def interpolated(at: Array, time: Array, values: Array) -> Array:

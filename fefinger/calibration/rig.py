@@ -21,9 +21,6 @@ from fefinger.theory.relaxation import Prony, hereditary_integral
 
 Prior = tuple[float, float]
 
-WIDE = 8.0
-"""Standard deviations of a prior to the bounds of a search."""
-
 UNITS = {"delay": "ms", "lag": "ms", "compliance": "mm/N", "offset": "mN", "drift": "mN/s"}
 """Units of what a rig does."""
 
@@ -117,7 +114,8 @@ class Rig:
     def _unknown(self, name: str, press: str, seen: float | None) -> Unknown:
         mean, sd = getattr(self, name)
         start = mean if seen is None else seen
-        low, high = min(mean, start) - WIDE * sd, max(mean, start) + WIDE * sd
+        wide = 8.0  # standard deviations of a prior to the bounds of a search
+        low, high = min(mean, start) - wide * sd, max(mean, start) + wide * sd
         low = max(low, LEAST.get(name, low))
         source = USUAL if getattr(self, name) == getattr(type(self), name) else GIVEN
         own = name if name in SHARED else name + press

@@ -43,22 +43,9 @@ AGAINST = 2.0
 MIDDLE = 3.0
 """Exponent of that press, and of the one at the other pad radius."""
 
-CORRECTIONS = 6
-"""Largest number of presses on the final mesh."""
-
-DEEPER = 1.05
-"""Depth of these presses over the largest depth of the present fit in the frames or the ramp."""
-
 SCATTER = 0.13
 """Standard deviation of the logarithm of a pad radius that the frames do not determine: that of R
 over the five subjects."""
-
-MESH = 0.015
-"""Standard deviation of the logarithm of a pad radius due to the mesh: errors of simulated twins
-and subjects on the coarse mesh are 0.5 to 1.6 % (suite `calibration`)."""
-
-NONE = 5e-3
-"""Relative difference below which two pad radii count as equal."""
 
 ONE_G_BIAS = {"c1/c0": 0.06, "c2/c0": 0.02, "c3/c0": 0.02, "v1": 0.05, "v2": 0.02}
 """Standard deviations of logarithms, due to one G for tissue whose stress relaxes in every element.
@@ -70,10 +57,6 @@ No residual shows this error, as weights and rates take it up. Twins by `solid` 
 
 STIFFENING_BIAS = 0.04
 """The same of the exponent, over it."""
-
-SETTLED = 0.1
-"""Change of the exponent between two corrections that counts as converged: below the uncertainty of
-the data; over it the interpolated force is accurate within 1e-3."""
 
 CLOSE = 0.02
 """Relative error of a fitted R that counts as converged: the rounding of an R printed to the mm."""
@@ -268,7 +251,10 @@ class Search:
         noise = pad.ROUNDING
         if self.frames is not None:
             noise = pad.scatter(result.law)
-        return radius * math.hypot(noise / fitted / power, MESH)
+        # Standard deviation of the logarithm of a pad radius due to the mesh: errors of simulated
+        # twins and subjects on the coarse mesh are 0.5 to 1.6 % (suite `calibration`).
+        mesh = 0.015
+        return radius * math.hypot(noise / fitted / power, mesh)
 
     def _on_final_mesh(
         self, curves: Family, radius: float, power: float | None, result: FitResult
@@ -284,7 +270,12 @@ class Search:
             goal = self._goal.radius
         trials: list[Trial] = []
         end = math.inf
-        while len(trials) < CORRECTIONS:
+        corrections = 6  # largest number of presses on the final mesh
+        none = 5e-3  # relative difference below which two pad radii count as equal
+        # Change of the exponent between two corrections that counts as converged: below the
+        # uncertainty of the data; over it the interpolated force is accurate within 1e-3.
+        settled = 0.1
+        while len(trials) < corrections:
             exponent = round(result.solution.values[SHAPE], 2)
             part = min(self._deep_enough(curves, radius, result), end) / finger.thickness
             main = self._indenters[0]
@@ -298,12 +289,12 @@ class Search:
                 end = float(press.depth[-1])
             fitted = math.nan if power is None else pad_fit(result).radius
             trials.append(Trial(radius, result, curves, fitted))
-            steady = abs(result.solution.values[SHAPE] - exponent) < SETTLED
+            steady = abs(result.solution.values[SHAPE] - exponent) < settled
             next_radius = radius
             if power is not None and power >= pad.DETERMINED and abs(fitted / goal - 1) > CLOSE:
                 tried = [each.radius for each in trials], [each.fitted for each in trials]
                 next_radius = round(work.reachable(pad.nearer(goal, *tried, power)), 2)
-            if steady and abs(next_radius / radius - 1) < NONE:
+            if steady and abs(next_radius / radius - 1) < none:
                 break
             radius = next_radius
             result = self._solved(curves, radius, result)
@@ -319,7 +310,10 @@ class Search:
         unlimited = replace(result, law=whole.law(result.solution.values))
         frames = pad.slow_press(unlimited.law)[-1]
         deep = max(float(frames), self._reach(unlimited))
-        return min(round(DEEPER * deep, 2), curves.deepest)
+        # Depth of presses on the final mesh over the largest depth of the present fit in the frames
+        # or the ramp.
+        deeper = 1.05
+        return min(round(deeper * deep, 2), curves.deepest)
 
     def _array(self, result: FitResult) -> dict[str, float]:
         """Parameters of the thesis's fit of simulated and of measured frames, by name."""

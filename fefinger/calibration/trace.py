@@ -14,21 +14,11 @@ from fefinger.theory.lumped.ramp_hold import RampHold, group_starts
 REST, APPROACH, NEAR, RAMP = 20, 20, 80, 200
 """Largest numbers of averages: in the rest, in the approach, before touch, and on the ramp."""
 
-ABOUT = 1.0
-"""Travel in mm before certain contact that counts as near: the first contact bends the force, whose
-average is then not the one at the average depth."""
-
-STEP = 0.02
-"""Largest step in mm of depth between nodes of the model: its force then bends by 1e-4."""
-
 WINDOWS = (1, 2, 4, 8, 16)
 """Parts of a stretch over which its path may be a line or a cubic, the longest first."""
 
 FEWEST = 5
 """Fewest averages that a line or a cubic goes through."""
-
-STRAY = 4.5
-"""Standard deviations that no average, nor a sum of neighbors, is off a path by noise alone."""
 
 AT = 1e-6
 """Time in s from the corner to the nodes before and after it."""
@@ -38,9 +28,6 @@ NEIGHBORS = (1, 3, 9, 27)  # distances that are summed: a path that is off may b
 
 SURE = 4.0
 """Standard deviations of the position from the level of a hold that are certainly off it."""
-
-MOST = 10
-"""Most samples before and after the corner that are left out of the path there."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +66,10 @@ def trace(record: RampHold, force: Array, position_noise: float) -> Trace:
     it. It meets the corner where what is before it and what is after it, continued, meet.
     """
     begun = _begun(record.position[: record.hold], position_noise)
-    near = np.flatnonzero(record.position[: record.touch] < record.position[record.touch] - ABOUT)
+    # Travel in mm before certain contact that counts as near: the first contact bends the force,
+    # whose average is then not the one at the average depth.
+    about = 1.0
+    near = np.flatnonzero(record.position[: record.touch] < record.position[record.touch] - about)
     close = max(int(near[-1]) + 1 if near.size else 0, begun)
     parts = ((0, REST), (begun, APPROACH), (close, NEAR), (max(record.touch, close), RAMP))
     starts = np.array(group_starts(record, parts))
@@ -118,9 +108,10 @@ def _begun(position: Array, noise: float) -> int:
 
 def _unsure(record: RampHold, noise: float) -> int:
     """Return the number of samples about the corner that noise may put on the wrong side of it."""
-    ramp = slice(max(record.touch, record.hold - 4 * MOST), record.hold)
+    most = 10  # most samples before and after the corner that are left out of the path there
+    ramp = slice(max(record.touch, record.hold - 4 * most), record.hold)
     step = float(np.median(np.abs(np.diff(record.position[ramp])))) if record.hold > 2 else 0.0
-    return min(1 + math.ceil(SURE * noise / max(step, 1e-9)), MOST)
+    return min(1 + math.ceil(SURE * noise / max(step, 1e-9)), most)
 
 
 def smoothing(at: Array, values: Array, sd: Array) -> Array:
@@ -158,10 +149,12 @@ def _local(at: Array, weights: Array, points: int, degree: int) -> Array:
 
 def _is_noise(off: Array) -> bool:
     """Whether distances (n,) from a path, over their noise, are noise alone."""
+    # Standard deviations that no average, nor a sum of neighbors, is off a path by noise alone.
+    stray = 4.5
     for width in NEIGHBORS:
         if width <= len(off):
             sums = np.convolve(off, np.ones(width), "valid") / np.sqrt(width)
-            if np.abs(sums).max() > STRAY:
+            if np.abs(sums).max() > stray:
                 return False
     return True
 
@@ -176,7 +169,9 @@ def _nodes(time: Array, path: Array, corner: int) -> tuple[Array, Array]:
     if met is not None:
         knots = np.concatenate([time[:corner], [met[0] - AT, met[0] + AT], time[corner:]])
         rows = np.concatenate([rows[:corner], met[1], rows[corner:]])
-    steps = np.maximum(np.ceil(np.abs(np.diff(rows @ path)) / STEP), 1).astype(int)
+    # Largest step in mm of depth between nodes of the model: its force then bends by 1e-4.
+    step = 0.02
+    steps = np.maximum(np.ceil(np.abs(np.diff(rows @ path)) / step), 1).astype(int)
     left = np.repeat(np.arange(len(steps)), steps)
     ahead = np.concatenate([np.arange(count) / count for count in steps.tolist()])
     left, ahead = np.append(left, len(steps) - 1), np.append(ahead, 1.0)

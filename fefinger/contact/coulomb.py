@@ -28,9 +28,6 @@ ITERATIONS = 200  # most steps of Newton's method and sweeps of a solution
 SMOOTHING = 10  # sweeps where no part of a Newton step comes closer
 SHORTEST = 1 / 16  # part of a Newton step
 FALLING = 0.2  # part of the residual that a step with an inverse leaves, or it is dropped
-REFRESHED = 8  # steps with an inverse after which it is computed anew, the next time
-ROUNDS = 60  # of vertices that join
-WORK = 64  # columns of the blocks in which LAPACK inverts a matrix
 
 KINDS = 5  # of unknowns
 
@@ -374,7 +371,8 @@ class CoulombSolver:
         """Solve for x with b = `offset` (3n,), from the last x; return DONE or a failure."""
         n = len(self.where)
         least = -tolerance * float(np.abs(offset[:n]).max())
-        for number in range(ROUNDS):
+        rounds = 60  # in each of which vertices join
+        for number in range(rounds):
             out = np.flatnonzero((self.place < 0) & (self.moved[:n] + offset[:n] < least))
             if not (self.flexibility[out, out] > 0.0).all():
                 return SINGULAR
@@ -445,11 +443,12 @@ class CoulombSolver:
         s.mu[:k] = self.mu[self.where[:k]]
         _load(s, k)
         self.counts[TRIED], values = 0, NONE
+        refreshed = 8  # steps with an inverse after which it is computed anew, the next time
         while True:
             last = self._kept, self._inverse, values, self.counts
             outcome, self.residual = _iterate(s, self.where, k, self._unknowns, *last)
             if outcome not in {SOLVE, INVERT}:
-                if self.counts[TRIED] > REFRESHED:
+                if self.counts[TRIED] > refreshed:
                     self._inverse = NO_INVERSE
                 return bool(outcome == SETTLED)
             values = self._newton(k, invert=outcome == INVERT)
@@ -465,7 +464,8 @@ class CoulombSolver:
         values, inverse = NONE, NO_INVERSE
         factor, pivots, singular = lapack.dgetrf(matrix.T, overwrite_a=True)
         if not singular and invert:
-            inverse = lapack.dgetri(factor, pivots, lwork=WORK * q, overwrite_lu=True)[0].T
+            work = 64  # columns of the blocks in which LAPACK inverts a matrix
+            inverse = lapack.dgetri(factor, pivots, lwork=work * q, overwrite_lu=True)[0].T
         elif not singular:
             values, _ = lapack.dgetrs(factor, pivots, right, trans=1, overwrite_b=True)
         if singular or not invert:

@@ -39,9 +39,6 @@ from fefinger.support.tolerances import COMPLEMENTARITY
 STUCK = 1e-6
 """Traction short of mu times the pressure, over that, from which a vertex counts as sticking."""
 
-MATCH = 1e-7
-"""Relative error of the force under force control, above what the residual of the cone leaves."""
-
 UNSOLVED = (
     "contact: expected pressures and tractions that obey Coulomb's law with indenter.friction = "
     "{:g}, found none (a smaller coefficient may have some)"
@@ -178,7 +175,10 @@ class FrictionalContact(Stepper):
             if value <= 0.0:
                 lifted(search, touch, solver.x, solver.moved)
                 return DONE
-            force_control.begin(search, touch, value, MATCH)
+            # Relative error of the force under force control, above what the residual of the cone
+            # leaves.
+            match = 1e-7
+            force_control.begin(search, touch, value, match)
         else:
             search[DEPTH] = value
         while True:

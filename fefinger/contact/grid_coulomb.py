@@ -29,15 +29,6 @@ ROUNDS = 40
 FIRST, FALLING = 1e-3, 0.03
 """Tolerance of the first turn, if larger than that of the solution, and of a turn over the last."""
 
-NEWTON = 60
-"""Most steps of Newton's method for a traction."""
-
-PRODUCTS = 200
-"""Most products of a step of it."""
-
-FORCING = 0.05
-"""Part of the right side that conjugate gradients leave."""
-
 
 class Flexibility(NamedTuple):
     """Displacements in mm per kPa of every wave, as of `scipy.fft.rfft2`, (..., n_x, n_y // 2 + 1).
@@ -202,7 +193,8 @@ class GridCoulomb:
 
     def _newton(self, w: Window, t: Array, slip: Array, bound: Array, close: float) -> bool:
         """Move a traction t (2, m) and its slip to where no projection changes it."""
-        for _ in range(NEWTON):
+        newton = 60  # most steps of Newton's method for a traction
+        for _ in range(newton):
             aim = t - slip / self.own
             size = np.hypot(*aim)
             projected = within(aim, bound)
@@ -246,8 +238,10 @@ class GridCoulomb:
         # Where little pressure is, much holds the traction: all that is held is scaled to the same.
         even = np.sqrt(typical / np.maximum(s.stiff, typical)) if typical > 0.0 else 1.0
         out, rest, way = np.zeros_like(right), right.copy(), np.zeros_like(right)
-        enough, product = FORCING * float(np.linalg.norm(right)), 0.0
-        for _ in range(PRODUCTS):
+        forcing = 0.05  # part of the right side that conjugate gradients leave
+        enough, product = forcing * float(np.linalg.norm(right)), 0.0
+        products = 200  # most products of a step of Newton's method
+        for _ in range(products):
             if float(np.linalg.norm(rest)) <= enough:
                 break
             z = s.free(even * w.product(even * rest, inverse))

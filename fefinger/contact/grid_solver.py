@@ -22,12 +22,6 @@ from fefinger.support.compiled import njit
 ITERATIONS = 500
 """Most iterations of a solution. Ridges under dots take 12 to 20, a first touch 50."""
 
-ROUNDS = 20
-"""Most windows of a solution; nearly all take one."""
-
-STRICTER = 0.5
-"""Tolerance in single precision, over that of the solution."""
-
 
 class GridSolver:
     """Solver of contact on a periodic grid; it starts from its last solution.
@@ -94,7 +88,9 @@ class GridSolver:
             x[:] = winkler(offset, total, 1.0 / float(np.abs(self.compliance).max()))
         x *= 1.0 if free else total / x.sum()
         self.counts[:] = 0, self.counts[1] + 1
-        for _ in range(ROUNDS):
+        rounds = 20  # most windows of a solution; nearly all take one
+        stricter = 0.5  # tolerance in single precision, over that of the solution
+        for _ in range(rounds):
             moved[:] = self.displacement(x)
             rigid = 0.0 if free else rigid_gap(x, moved, offset)
             _, active, worst, scale = residual(x, moved, offset, rigid)
@@ -103,7 +99,7 @@ class GridSolver:
                 self._rigid = rigid
                 return DONE
             window = Window.about(active, self.points)
-            outcome = self._descend(window, offset, STRICTER * tolerance, total)
+            outcome = self._descend(window, offset, stricter * tolerance, total)
             if outcome != DONE:
                 return outcome
         return ENDLESS

@@ -25,8 +25,6 @@ from fefinger.support.arrays import Array, Flags
 CLOSED = 1e-6
 """Gap or penetration, over the largest displacement, that counts as none."""
 
-FAR = 1e3  # mm, the gap where the object has ended
-
 Heights = Callable[[tuple[float, float]], Array]
 """Gap (n_x, n_y) mm of the grid at a depth of 0, for a place (x, y) mm of the object; inf where it
 has ended."""
@@ -81,7 +79,8 @@ class GridStepper(Stepper):
     def _advance(self, dt: float, target: Target) -> int:
         here = self.gap(target.shift)
         ended, n = ~np.isfinite(here), here.size
-        free = np.where(ended, FAR, here).ravel()
+        far = 1e3  # mm, the gap where the object has ended
+        free = np.where(ended, far, here).ravel()
         g = self._begin(dt, target)
         self._offset[:n] = g * free - self.history.moved_past[:n]
         outcome = self._balance(g, target)

@@ -33,10 +33,6 @@ from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY
 
 
-DIGITS = 9  # significant ones of the length of a step: lengths that differ by rounding are the same
-CACHED = 64  # lengths of steps whose factors are stored
-
-
 class ModalState(NamedTuple):
     """State of the modes and the factors of a step.
 
@@ -239,9 +235,12 @@ class InertialContact(Stepper):
 
     def factors(self, dt: float) -> StepFactors:
         """Return the factors of a step, computed once per length."""
-        key = float(f"{dt:.{DIGITS - 1}e}")
+        # Significant digits of the length of a step: lengths that differ by rounding are the same.
+        digits = 9
+        key = float(f"{dt:.{digits - 1}e}")
         if key not in self._factors:
-            if len(self._factors) >= CACHED:
+            cached = 64  # lengths of steps whose factors are stored
+            if len(self._factors) >= cached:
                 self._factors.clear()
             self._factors[key] = self.make_factors(key)
         if key != self._dt:

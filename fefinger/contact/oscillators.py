@@ -20,14 +20,6 @@ from fefinger.support.checks import ConvergenceError
 
 Complex = NDArray[np.complex128]
 
-SMALL = 0.05  # |x| below which (e^x - 1 - x) / x² is summed as a series
-TERMS = 9  # of this series; those left out add less than 1e-21
-DAMPING = 0.1
-"""Share of the second difference of the force. At -1, pressures that alternate from step to step
-then die out within some ten steps; an oscillation of 60 steps is changed by 0.1 %."""
-
-MISSED = 1e-6  # largest error of the sum rules of the residues
-
 
 @dataclass(frozen=True)
 class Oscillators:
@@ -67,7 +59,8 @@ class Oscillators:
         slope = 2 * poles + omega_squared[:, None] * (weights * rates / near**2).sum(axis=-1)
         residues = 1.0 / slope
         error = np.abs((residues * poles).sum(axis=1) - 1.0)
-        if len(error) and not error.max() <= MISSED:
+        missed = 1e-6  # largest error of the sum rules of the residues
+        if len(error) and not error.max() <= missed:
             worst = int(np.argmax(error))
             message = (
                 f"mode {worst + 1}: expected poles that differ, received two that coincide to "
@@ -92,12 +85,16 @@ class Oscillators:
         force that is linear in the step.
         """
         x = self.poles * dt
-        safe = np.where(np.abs(x) < SMALL, 1.0, x)
-        second = np.where(np.abs(x) < SMALL, _series(x), (np.exp(safe) - 1 - safe) / safe**2)
+        small = 0.05  # |x| below which (e^x - 1 - x) / x² is summed as a series
+        safe = np.where(np.abs(x) < small, 1.0, x)
+        second = np.where(np.abs(x) < small, _series(x), (np.exp(safe) - 1 - safe) / safe**2)
         first = 1 + x * second  # (e^x - 1) / x
         if not swing:
             return np.exp(x), np.zeros_like(x), dt * (first - second), np.asarray(dt * second)
-        shares = (DAMPING, 0.5 - 2 * DAMPING, 0.5 + DAMPING)
+        # Share of the second difference of the force. At -1, pressures that alternate from step to
+        # step then die out within some ten steps; an oscillation of 60 steps is changed by 0.1 %.
+        damping = 0.1
+        shares = (damping, 0.5 - 2 * damping, 0.5 + damping)
         earlier, before, after = (dt * share * first for share in shares)
         return np.exp(x), earlier, before, after
 
@@ -123,6 +120,7 @@ def _systems(omega_squared: Array, weights: Array, rates: Array) -> Array:
 def _series(x: Complex) -> Complex:
     """Sum (e^x - 1 - x) / x² for small x."""
     total = np.full_like(x, 1.0)
-    for n in range(TERMS, 0, -1):
+    terms = 9  # of the series; those left out add less than 1e-21
+    for n in range(terms, 0, -1):
         total = 1.0 + x / (n + 2) * total
     return total / 2

@@ -18,7 +18,6 @@ from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 
 
-FLAT = 1e-6  # volume over (longest edge from a corner)³ below which a cell counts as flat
 BLOCK = 64  # loads per solve: many share one pass through the factor, at little memory
 
 
@@ -157,7 +156,8 @@ def _check(mesh: FingerMesh, tissues: Mapping[int, Elastic]) -> None:
             )
     corners = mesh.points[mesh.cells]
     size = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2).max(axis=1)
-    bad = np.flatnonzero(~(volumes(mesh.points, mesh.cells) > FLAT * size**3))
+    flat = 1e-6  # volume over (longest edge from a corner)³ below which a cell counts as flat
+    bad = np.flatnonzero(~(volumes(mesh.points, mesh.cells) > flat * size**3))
     if len(bad):
         raise InputError(
             f"mesh {mesh.name}: expected cells of positive volume, received {len(bad)} inverted or "

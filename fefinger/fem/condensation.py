@@ -37,8 +37,6 @@ PALMAR = 0.5
 """Largest z of the outward normal of a vertex of the operator: 30 degrees beyond the side of the
 finger, which neither plates nor objects on the pad reach."""
 
-SAME = 1e-9  # largest distance of a mirrored node from its twin, over the size of the body
-
 
 class OutsideError(InputError):
     """Error for a load outside the palmar part of the pad, where the operator is not defined."""
@@ -144,7 +142,8 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
 def mirrored(whole: Space, half: Space, *, odd: bool) -> sparse.csr_matrix:
     """Matrix from a displacement of `half` to the even or odd displacement of `whole`."""
     distance, twin = cKDTree(half.node_points).query(mirror.to_half(whole.node_points))
-    if distance.max() > SAME * np.ptp(half.node_points):
+    same = 1e-9  # largest distance of a mirrored node from its twin, over the size of the body
+    if distance.max() > same * np.ptp(half.node_points):
         raise InputError("mesh: expected a finger that is symmetric about y = 0, received another")
     signs = np.ones((whole.n_nodes, 3))
     beyond = whole.node_points[:, 1] < 0

@@ -93,10 +93,6 @@ def triangle_areas(corners: Array) -> Array:
     return np.asarray(np.linalg.norm(np.cross(sides[..., 0, :], sides[..., 1, :]), axis=-1) / 2.0)
 
 
-FLAT = 0.9
-"""Smallest cosine between the normals of a facet and of the plane it is assigned to."""
-
-
 def interfaces(cells: Integers, region: NDArray[np.int8]) -> tuple[Integers, Integers, Integers]:
     """Faces where the region changes: (f, 3) outward, and the regions on both sides.
 
@@ -151,9 +147,10 @@ def facet_sets(
     boundary = outer == 0
     deep = level(corners.reshape(-1, 3)).reshape(-1, 3).min(axis=1) < -2.0 * tolerance
     medial = boundary & (np.abs(corners[:, :, 1]).max(1) < tolerance)
-    medial &= deep | (normal[:, 1] < -FLAT)
+    flat = 0.9  # smallest cosine between the normals of a facet and of the plane it is assigned to
+    medial &= deep | (normal[:, 1] < -flat)
     at_cut = boundary & ~medial & (np.abs(corners[:, :, 0] - cut).max(1) < tolerance)
-    at_cut &= deep | (normal[:, 0] < -FLAT)
+    at_cut &= deep | (normal[:, 0] < -flat)
     return {
         "pad": boundary_faces[boundary & ~medial & ~at_cut],
         "cut": boundary_faces[at_cut & (inner != BONE)],

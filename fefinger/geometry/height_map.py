@@ -13,12 +13,6 @@ from fefinger.support.checks import InputError
 MARGIN = 1e-9
 """Barycentric coordinate by which a place may lie outside a triangle, for those on its edge."""
 
-SLACK = 1e-6
-"""Part of a spacing, or of a triangle, by which a place may lie beyond a triangle that it is on."""
-
-TOGETHER = 500_000
-"""Places in the boxes of triangles that are looked at together."""
-
 MOST = 1_000_000
 """Largest number of heights: on all of the pad, a tenth of the edges of a mesh apart."""
 
@@ -75,11 +69,14 @@ def _raise(heights: Array, triangles: Array, low: Array, pitch: float) -> None:
     triangles = triangles[np.abs(np.linalg.det(across)) > MARGIN * flat]
     ends = (triangles[..., :2].min(axis=1), triangles[..., :2].max(axis=1))
     first, last = ((end - low) / pitch for end in ends)
-    begin = np.maximum(np.ceil(first - SLACK).astype(int), 0)
-    counts = np.minimum(np.floor(last + SLACK).astype(int) + 1, heights.shape) - begin
+    # Part of a spacing, or of a triangle, by which a place may lie beyond a triangle that it is on.
+    slack = 1e-6
+    begin = np.maximum(np.ceil(first - slack).astype(int), 0)
+    counts = np.minimum(np.floor(last + slack).astype(int) + 1, heights.shape) - begin
     counts = np.maximum(counts, 0)
     total = np.cumsum(counts.prod(axis=1))
-    parts = np.searchsorted(total, np.arange(TOGETHER, total[-1] if len(total) else 0, TOGETHER))
+    together = 500_000  # places in the boxes of triangles that are looked at together
+    parts = np.searchsorted(total, np.arange(together, total[-1] if len(total) else 0, together))
     for part in np.split(np.arange(len(triangles)), np.unique(parts)):
         # Every place in the box of a triangle, one after another.
         sizes = counts[part].prod(axis=1)
@@ -87,6 +84,6 @@ def _raise(heights: Array, triangles: Array, low: Array, pitch: float) -> None:
         number = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
         places = begin[which] + np.column_stack(np.divmod(number, counts[which, 1]))
         weights = barycentric(triangles[which, :, :2], low + pitch * places)
-        inside = weights.min(axis=-1) >= -SLACK
+        inside = weights.min(axis=-1) >= -slack
         level = np.sum(weights * triangles[which, :, 2], axis=-1)[inside]
         np.maximum.at(heights, tuple(places[inside].T), level)

@@ -9,19 +9,16 @@ from fefinger.support.checks import InputError
 from fefinger.support.inputs import check_input
 
 
-MOST = 20_000_000
-"""Points of a grid, some 80 MB of distances."""
-
-
 def grid(low: Array, high: Array, pitch: float) -> tuple[Array, tuple[int, int, int]]:
     """Return the points (n, 3) mm of a grid from one corner to beyond the other, and its shape.
 
     InputError for more points than fit.
     """
     count = np.maximum(np.ceil((high - low) / pitch).astype(int) + 1, 2)
-    if np.prod(count.astype(float)) > MOST:
+    most = 20_000_000  # points of a grid, some 80 MB of distances
+    if np.prod(count.astype(float)) > most:
         raise InputError(
-            f"pitch: expected at most {MOST:,} points of a grid, received "
+            f"pitch: expected at most {most:,} points of a grid, received "
             f"{' x '.join(map(str, count.tolist()))} at {pitch:g} mm; take a coarser pitch",
             field="pitch",
         )

@@ -27,15 +27,9 @@ TRIED, FIRST, STEPS = 8, 4, 40
 """Number of directions that are fitted to the end, steps of the fits that choose them, and largest
 number of steps of a fit."""
 
-SAME = 0.95
-"""Least cosine between all axes of two fits that are the same."""
-
 CLOSE, FINE = 1e-3, 1e-8
 """Relative change of a misfit at which a fit ends that is compared with others, to a tenth, and at
 which the last one does."""
-
-DIFFERENCE = 1e-7
-"""Step of angles and of relative lengths in differences: rounding and curvature both add 1e-7."""
 
 REACH = 1.6
 """Distance from the tip, over the width, up to which a surface is compared with a fingertip."""
@@ -43,35 +37,15 @@ REACH = 1.6
 OUTLIER = 0.15
 """Distance from the fitted fingertip, over its width, from which a point is none of it."""
 
-WIDE_RIM = 0.25
-"""Size of the rim of an open end over the surface's diagonal, from which on it is the proximal one.
-"""
-
-OTHER_SIDE = 0.9
-"""Least misfit over that of other directions, which are then alike: the one nearest to the axes of
-the file counts."""
-
 BACK = (0.5, 1.35)
 """Range of the distance from the tip, over the width, in which the back is to be level."""
 
 UP, MIDDLE = 0.7, 0.2
 """Least z of a normal of the back, and largest |y| of it over the width."""
 
-LARGER = 1.6
-"""Largest ratio of width and thickness to those that a fit starts from."""
-
 FLATTER, SPREAD, TIPS, WEIGHT = 0.8, 0.15, 0.7, 0.1
 """Usual thickness over width, standard deviation of its logarithm and of that of the length of the
 tip, and weight of both against the distances of all points."""
-
-SHARPER = 4.0
-"""Largest ratio of the length of the tip to that of the fingers of the thesis."""
-
-UNSEEN = 0.1
-"""Cost of a point farther than REACH from the tip: fits that look at few points are no better."""
-
-ROUNDS = 6
-"""Repetitions of symmetry and level: each turn changes a little what is looked at."""
 
 SIDE, NEAR_TIP, ALONG = 0.6, 1.1, (3.0, 1.4)
 """Distance from the tip, over the width, where sides and palm of the fingertip of closed form stop
@@ -114,19 +88,26 @@ def fingertip_axes(mesh: "Trimesh") -> Axes:
     few = scaled[:: len(scaled) // FEW]
     frames = [_fitted(few, frame, steps=FIRST) for frame in _directions(normals)]
     rim = (_rim(mesh) - center) / size
-    if len(rim) and np.ptp(rim, axis=0).max() > WIDE_RIM:
+    # Size of the rim of an open end over the surface's diagonal, from which on it is the proximal
+    # one.
+    wide_rim = 0.25
+    if len(rim) and np.ptp(rim, axis=0).max() > wide_rim:
         proximal = rim.mean(axis=0)
         frames = [each for each in frames if each.axes[0] @ proximal < 0.0] or frames
     frames = _different(frames)[:TRIED]
     for _ in range(2):  # a fit changes what is near its tip
         frames = [_fitted(few, each.axes, each) for each in frames]
     least = min(each.misfit for each in frames)
-    alike = [each for each in frames if each.misfit <= least / OTHER_SIDE]
+    # Least misfit over that of other directions, which are then alike: the one nearest to the axes
+    # of the file counts.
+    other_side = 0.9
+    alike = [each for each in frames if each.misfit <= least / other_side]
     chosen = max(alike, key=lambda each: float(np.trace(each.axes)))  # turned least
     chosen = _fitted(scaled, chosen.axes, chosen, tolerance=FINE)
     axes, origin = chosen.axes, chosen.origin
     normals = _outward(chosen, scaled, normals)
-    for _ in range(ROUNDS):
+    rounds = 6  # repetitions of symmetry and level: each turn changes a little what is looked at
+    for _ in range(rounds):
         axes, origin = _symmetric(scaled, normals, axes, origin, chosen.width)
         axes = _level(scaled, normals, axes, origin, chosen.width)
     place = np.eye(4)
@@ -231,8 +212,9 @@ def _directions(normals: Array) -> list[Array]:
 def _different(frames: list[Fit]) -> list[Fit]:
     """Return fits by their misfit, without those whose axes are the same as a better one's."""
     kept: list[Fit] = []
+    same = 0.95  # least cosine between all axes of two fits that are the same
     for each in sorted(frames, key=lambda fit: fit.misfit):
-        if all(np.einsum("ij,ij->i", each.axes, one.axes).min() < SAME for one in kept):
+        if all(np.einsum("ij,ij->i", each.axes, one.axes).min() < same for one in kept):
             kept.append(each)
     return kept
 
@@ -277,12 +259,17 @@ def _fitted(
         there = _distance(points[seen], *fit) / unit
         return np.concatenate([there, *(held * each for each in usual)], axis=-1)
 
+    # Step of angles and of relative lengths in differences: rounding and curvature both add 1e-7.
+    difference = 1e-7
+
     def slopes(values: Array) -> Array:
         """Return the derivatives (n + 2, 9) of `away`, by differences all at once."""
-        return ((away(values + DIFFERENCE * np.eye(9)) - away(values)) / DIFFERENCE).T
+        return ((away(values + difference * np.eye(9)) - away(values)) / difference).T
 
     bounds = np.full(9, np.inf)
-    bounds[6:8], bounds[8] = np.log(LARGER), np.log(SHARPER)
+    larger = 1.6  # largest ratio of width and thickness to those that a fit starts from
+    sharper = 4.0  # largest ratio of the length of the tip to that of the fingers of the thesis
+    bounds[6:8], bounds[8] = np.log(larger), np.log(sharper)
     found = least_squares(
         away,
         np.zeros(9),
@@ -293,7 +280,9 @@ def _fitted(
         ftol=tolerance,
     )
     axes, origin, *sizes = parts(found.x)
-    misfit = (found.cost + UNSEEN * np.sum(~seen)) / len(points)
+    # Cost of a point farther than REACH from the tip: fits that look at few points are no better.
+    unseen = 0.1
+    misfit = (found.cost + unseen * np.sum(~seen)) / len(points)
     width, thickness, blunt = (float(size[0]) for size in sizes)
     return Fit(axes, origin, width, thickness, blunt, float(misfit))
 

@@ -25,23 +25,12 @@ if TYPE_CHECKING:
 DEGREE = 24
 """Highest degree of the harmonics: waves of 2 to 3 mm on a finger 14 mm wide."""
 
-SMOOTH = 4
-"""Power of l (l + 1) in the cost of degree l, which is so of fourth derivatives. Powers of 2 and 3
-left 1.5 and 1.2 times as much noise on the pads of made scans, 5 as much."""
-
 CELL = 0.5
 """Side in mm of the cubes in which the points of a dense scan are averaged: a surface with a radius
 of 7 mm rises by 2 um in it."""
 
-NEAR = 1.0
-"""Distance in mm from points of a scan up to which its surface is known."""
-
 EDGE = 0.7
 """Longest edge in mm of the triangles whose middles stand for the facets of a scan."""
-
-CAUTION = 1.4
-"""Factor of the degrees of freedom in the cross-validation, against too rough fits of few points
-(Kim and Gu 2004, J. R. Stat. Soc. B 66:337)."""
 
 COSTS = np.logspace(-12.0, 0.0, 97)
 """Costs of roughness that are compared, over the number of points: from some at which all harmonics
@@ -100,7 +89,8 @@ class SmoothSkin:
         behind = _ways(self.seen, self.center, self.size)[:, 0].min()
         ways = ways[(ways[:, 1] >= 0.0) & (ways[:, 0] > behind)]
         points, normals = self.toward(self.center + self.size * ways)
-        known = cKDTree(mirror.to_half(self.seen)).query(points)[0] < NEAR
+        near = 1.0  # distance in mm from points of a scan up to which its surface is known
+        known = cKDTree(mirror.to_half(self.seen)).query(points)[0] < near
         points, normals = points[known], normals[known]
         both = [np.concatenate([each, mirror.image(each)]) for each in (points, normals)]
         return both[0], both[1]
@@ -184,7 +174,10 @@ def _cross_validated(rows: Array, data: Array, roughness: Array) -> tuple[float,
     used = (powers / (powers + costs)).sum(axis=1)
     parts = loads / (powers + costs)
     squares = data @ data - parts @ loads - (costs * parts**2).sum(axis=1)
-    free = count - CAUTION * used
+    # Factor of the degrees of freedom in the cross-validation, against too rough fits of few points
+    # (Kim and Gu 2004, J. R. Stat. Soc. B 66:337).
+    caution = 1.4
+    free = count - caution * used
     scores = np.where(free > 0.0, squares / np.maximum(free, 1.0) ** 2, np.inf)
     best = int(np.argmin(scores))
     return float(costs[best, 0]), float(used[best]), float(squares[best])
@@ -223,7 +216,10 @@ def _roughness(least: int = 0) -> Array:
     """Cost of each harmonic, from order `least` on; the mean size costs as much as its place."""
     degrees = [degree for order in range(least, DEGREE + 1) for degree in range(order, DEGREE + 1)]
     degree = np.maximum(degrees, 1)
-    return np.asarray((degree * (degree + 1.0)) ** SMOOTH)
+    # Power of l (l + 1) in the cost of degree l, which is so of fourth derivatives. Powers of 2 and
+    # 3 left 1.5 and 1.2 times as much noise on the pads of made scans, 5 as much.
+    smooth = 4
+    return np.asarray((degree * (degree + 1.0)) ** smooth)
 
 
 def _middles(vertices: Array, faces: Integers) -> tuple[Array, Array]:

@@ -21,21 +21,12 @@ REACH, PITCH = 15.0, 0.1
 LINES = np.linspace(-REACH, REACH, round(2 * REACH / PITCH) + 1)
 """Lines of the grid in mm, along x and along y."""
 
-MIDDLE = 10.0
-"""Distance in mm within which a finger meets the highest place of an object first."""
-
 STEP = 2e-4
 """Step in mm of the differences: they err by some 1e-8 where a surface bends within 0.1 mm."""
 
 BEND = 0.05
 """Angle by which a smooth section turns at most in a short interval; a kink of twice that is found
 wherever it lies."""
-
-FLAT = 1e-6
-"""Curvature in 1/mm that is rounding of the differences."""
-
-SHORTEST = 1e-5
-"""Half length in mm of an interval in which a turn by more than BEND is a kink."""
 
 ROUNDING = 1e-9
 """Difference in mm below which two heights are the same."""
@@ -120,10 +111,12 @@ class Surface(Profile):
     def check(self) -> None:
         """Raise InputError for a surface that a finger cannot be pressed by, see the class."""
         x, y = np.meshgrid(LINES, LINES, indexing="ij")
-        if self.grid[np.hypot(x, y) <= MIDDLE].max() < self.top - ROUNDING:
+        # Distance in mm within which a finger meets the highest place of an object first.
+        middle = 10.0
+        if self.grid[np.hypot(x, y) <= middle].max() < self.top - ROUNDING:
             at = np.unravel_index(int(np.argmax(self.grid)), x.shape)
             raise InputError(
-                f"indenter.surface: expected its largest value within {MIDDLE:g} mm of the middle, "
+                f"indenter.surface: expected its largest value within {middle:g} mm of the middle, "
                 f"where the finger is, received {self.top:.4g} mm at x = {x[at]:.4g}, "
                 f"y = {y[at]:.4g} mm; heights are in mm toward the finger: change their sign if "
                 "they are depths"
@@ -153,7 +146,8 @@ class Surface(Profile):
         mean = (np.trace(bend, axis1=1, axis2=2) - along / steep) / (2 * np.sqrt(steep))
         product = np.linalg.det(bend) / steep**2
         curvature = float((mean + np.sqrt(np.maximum(mean**2 - product, 0.0))).max())
-        return 1 / curvature if curvature > FLAT else float("inf")
+        flat = 1e-6  # curvature in 1/mm that is rounding of the differences
+        return 1 / curvature if curvature > flat else float("inf")
 
     def _bent(self, axis: int) -> Array:
         """Return places (n, 2) mm where sections along x (axis 0) or y bend; InputError for a kink.
@@ -162,11 +156,13 @@ class Surface(Profile):
         """
         middle, fixed = (x.ravel() for x in np.meshgrid(LINES[1:-1], LINES[::2], indexing="ij"))
         half, turn, found = PITCH, self._turns(middle, fixed, PITCH, axis), np.empty((0, 2))
+        # Half length in mm of an interval in which a turn by more than BEND is a kink.
+        shortest = 1e-5
         while (bent := turn > BEND).any():
             middle, fixed, turn = middle[bent], fixed[bent], turn[bent]
             order = [0, 1] if axis == 0 else [1, 0]
             found = np.stack([middle, fixed], axis=-1)[:, order]
-            if half < SHORTEST:
+            if half < shortest:
                 at = np.argmin(np.abs(fixed))
                 x, y = found[at]
                 raise InputError(

@@ -36,21 +36,12 @@ least part of the width, for wide fingers."""
 SAMPLING, BEYOND = 0.35, 1.0
 """Distance in mm between points of a smooth surface, and length that it has behind the one used."""
 
-WHOLE = 1.05
-"""Distance from the tip, over the width, up to which the skin has to be whole."""
-
 MISFIT, APART = 0.06, 0.1
 """Largest root mean square distance from a fingertip of closed form, over the width, and largest
 share of the surface that is none of it."""
 
-TOLD = 0.5
-"""Turn in degrees from the axes of the file from which on a note states it."""
-
 FOUND, FILE = "shape", "file"
 """Where the axes of a finger come from."""
-
-ASKEW = 45.0
-"""Largest angle in degrees of the axes of a file from those of its shape."""
 
 LOOK = "look at it with `fefinger mesh --picture`."
 
@@ -59,12 +50,6 @@ FLAT, FACING = 0.15, 5.0
 
 It is at most 0.1 in fingers and capsules, however coarse their triangles, and 0.2 in a box.
 """
-
-CELL = 0.1
-"""Side of the cubes into which unit normals are sorted: one normal of each is tried as a facing."""
-
-FACES_BACK = -0.7
-"""Largest x of the normals of the proximal end face."""
 
 
 END = 0.99
@@ -122,7 +107,8 @@ def _read(path: str | Path, field: str, kept: str, _state: tuple[int, int]) -> S
     mesh.apply_transform(axes.place)
     tip = float(mesh.bounds[1, 0])
     problem = f"{field}: expected a closed surface, {file.name}"
-    repairs, start = close(mesh, problem, tip - WHOLE * axes.width, axes.place)
+    whole = 1.05  # distance from the tip, over the width, up to which the skin has to be whole
+    repairs, start = close(mesh, problem, tip - whole * axes.width, axes.place)
     crossing = crossings(mesh)
     if crossing is not None:
         x, y, z = np.linalg.inv(axes.place)[:3] @ [*crossing, 1.0]
@@ -131,7 +117,7 @@ def _read(path: str | Path, field: str, kept: str, _state: tuple[int, int]) -> S
             "simple closed surface: remesh it or remove the overlap in the program that made it"
         )
     if start == mesh.bounds[0, 0]:
-        start = _end_face(mesh, tip - WHOLE * axes.width)
+        start = _end_face(mesh, tip - whole * axes.width)
     begin = max(start, tip - used_length(axes.width))
     skin = _smooth(mesh, max(start, begin - BEYOND), axes)
     seen, _ = skin.sampled(SAMPLING)
@@ -188,7 +174,8 @@ def _of_file(axes: Axes, name: str) -> tuple[Axes, str]:
 
     Raises InputError where x is not distal, or z not dorsal.
     """
-    if axes.turn > ASKEW:
+    askew = 45.0  # largest angle in degrees of the axes of a file from those of its shape
+    if axes.turn > askew:
         raise InputError(
             f"{name} has its own axes {axes.turn:.0f} degrees off those of its shape; expected x "
             "about distal, y to the radial side and z to the nail: turn the scan, or leave "
@@ -202,7 +189,8 @@ def _of_file(axes: Axes, name: str) -> tuple[Axes, str]:
 
 def _axes_note(axes: Axes) -> str:
     """Say how a surface was turned to the axes of a finger."""
-    if axes.turn < TOLD:
+    told = 0.5  # turn in degrees from the axes of the file from which on a note states it
+    if axes.turn < told:
         return f"Its axes are x distal, y radial and z dorsal, by its shape; {LOOK}"
     x, y, z = axes.place[:3, :3]
     named = ", ".join(
@@ -217,7 +205,8 @@ def _axes_note(axes: Axes) -> str:
 
 def _end_face(mesh: "Trimesh", behind: float) -> float:
     """Return the largest x in mm of the proximal end face of a closed scan, which is no skin."""
-    end = (mesh.face_normals[:, 0] < FACES_BACK) & (mesh.triangles_center[:, 0] < behind)
+    faces_back = -0.7  # largest x of the normals of the proximal end face
+    end = (mesh.face_normals[:, 0] < faces_back) & (mesh.triangles_center[:, 0] < behind)
     if not end.any():
         return float(mesh.bounds[0, 0])
     ahead, areas = mesh.triangles[end][..., 0].max(axis=1), mesh.area_faces[end]
@@ -231,7 +220,9 @@ def _check_round(mesh: "Trimesh", name: str, start: float, used: float) -> None:
     x, normals, areas = mesh.triangles_center[:, 0], mesh.face_normals, mesh.area_faces
     skin = x > max(start, used)
     normals, areas = normals[skin], areas[skin]
-    ways = normals[np.unique(np.floor(normals / CELL), axis=0, return_index=True)[1]]
+    # Side of the cubes into which unit normals are sorted: one normal of each is tried as a facing.
+    cell = 0.1
+    ways = normals[np.unique(np.floor(normals / cell), axis=0, return_index=True)[1]]
     least = np.cos(np.radians(FACING))
     shares = [areas[normals @ way > least].sum() / areas.sum() for way in ways]
     most = int(np.argmax(shares))

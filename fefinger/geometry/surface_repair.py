@@ -15,16 +15,6 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 
-HOLE = 0.2
-"""Largest diameter of a hole that is filled, over the finger's width."""
-
-BACK = 0.25
-"""Proximal share of the length where the surface of a bone may be open."""
-
-PIECE = 0.02
-"""Largest share of the area in pieces apart from the largest one, which are left out."""
-
-
 def read_closed(
     path: str | Path, field: str, place: Array | None = None
 ) -> "tuple[Trimesh, tuple[str, ...]]":
@@ -38,7 +28,8 @@ def read_closed(
         mesh.apply_transform(place)
     low, high = mesh.bounds[:, 0]
     problem = f"{field}: expected a closed surface, {Path(path).name}"
-    more, _ = close(mesh, problem, low + BACK * (high - low), place)
+    back = 0.25  # proximal share of the length where the surface of a bone may be open
+    more, _ = close(mesh, problem, low + back * (high - low), place)
     return mesh, (*notes, *more)
 
 
@@ -71,7 +62,9 @@ def _largest(mesh: "Trimesh", parts: int, file: Path, field: str) -> str:
     label = connected_component_labels(mesh.face_adjacency, node_count=len(mesh.faces))
     areas = np.bincount(label, weights=mesh.area_faces)
     share = 1.0 - float(areas.max() / areas.sum())
-    if share > PIECE:
+    # Largest share of the area in pieces apart from the largest one, which are left out.
+    piece = 0.02
+    if share > piece:
         raise InputError(
             f"{field}: expected one connected surface, {file.name} has {parts} separate ones; keep "
             "only the skin"
@@ -135,7 +128,8 @@ def _without_pinches(mesh: "Trimesh") -> int:
 
 def _is_wide(rim: Array, mesh: "Trimesh") -> bool:
     """Whether a rim (n, 3) is too wide for a hole in the skin, as the open proximal end."""
-    return float(np.ptp(rim, axis=0).max()) > HOLE * float(np.sort(mesh.extents)[1])
+    hole = 0.2  # largest diameter of a hole that is filled, over the finger's width
+    return float(np.ptp(rim, axis=0).max()) > hole * float(np.sort(mesh.extents)[1])
 
 
 def _face_outward(mesh: "Trimesh") -> bool:

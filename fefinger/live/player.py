@@ -26,17 +26,8 @@ from fefinger.support.vocabulary import Control
 DT = 1e-3
 """Step in s of the model."""
 
-PER_CYCLE = 16
-"""Least number of steps in a cycle of a vibration, whose steps are shorter."""
-
-RESPONSE = 60.0
-"""Rate in 1/s of the damped mass by which the object follows the hand: 90 % of a step in 65 ms."""
-
 ABOVE = -0.5
 """Depth in mm of an object that is lifted: off the skin."""
-
-LONGEST = 60.0
-"""Longest record in s."""
 
 RELAXED = 1e3
 """Time in s after which the force at a held depth falls no more, to some percent."""
@@ -208,7 +199,8 @@ class Player:
         take.by_force &= self.control is Control.FORCE
         for column, number in zip((take.time, take.depth, take.force), row, strict=True):
             column.append(number)
-        self.recording = take.seconds < LONGEST
+        longest = 60.0  # longest record in s
+        self.recording = take.seconds < longest
 
     def _switch(self, control: Control) -> None:
         """Go on by the other control from where the object is."""
@@ -226,7 +218,9 @@ class Player:
         """Return where the object is after the next step."""
         if self._waiting is not None and abs(self.value) < 1e-3 * self.most[self.control]:
             motion, self._waiting = self._waiting, None
-            self.dt = min(DT, 1.0 / (PER_CYCLE * (motion.highest_frequency or 1.0)))
+            # Least number of steps in a cycle of a vibration, whose steps are shorter.
+            per_cycle = 16
+            self.dt = min(DT, 1.0 / (per_cycle * (motion.highest_frequency or 1.0)))
             count = math.ceil(motion.duration / self.dt)
             times = np.minimum(self.dt * np.arange(count, 0, -1), motion.duration)
             self._played = np.asarray(motion.value(times)).tolist()
@@ -241,8 +235,11 @@ class Player:
     def _follow(self) -> float:
         """Return the place of a critically damped mass that is drawn to the target."""
         away, dt = self.value - self.target, self.dt
-        push = self._speed + RESPONSE * away
-        left = math.exp(-RESPONSE * dt)
-        self._speed = (self._speed - RESPONSE * push * dt) * left
+        # Rate in 1/s of the damped mass by which the object follows the hand: 90 % of a step in 65
+        # ms.
+        response = 60.0
+        push = self._speed + response * away
+        left = math.exp(-response * dt)
+        self._speed = (self._speed - response * push * dt) * left
         value = self.target + (away + push * dt) * left
         return max(value, 0.0) if self.control is Control.FORCE else value

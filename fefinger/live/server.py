@@ -32,9 +32,6 @@ LOOPBACK = "127.0.0.1"
 NAMES = (LOOPBACK, "localhost")
 """Names of this machine that a Host may have."""
 
-WAITING = 60
-"""Largest number of messages that wait for the page; one that is slower than that is left."""
-
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -148,9 +145,11 @@ class Server:
 async def _write(talk: web.WebSocketResponse, outbox: asyncio.Queue[str | bytes]) -> None:
     """Send what the session says, as long as the page reads it."""
     with suppress(ConnectionError):
+        # Largest number of messages that wait for the page; one that is slower than that is left.
+        waiting = 60
         while True:
             data = await outbox.get()
-            if outbox.qsize() > WAITING:
+            if outbox.qsize() > waiting:
                 await talk.close(code=WSCloseCode.TRY_AGAIN_LATER)
                 return
             await (talk.send_str(data) if isinstance(data, str) else talk.send_bytes(data))

@@ -20,22 +20,10 @@ from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.outputs import output_folder
 
 
-FRAME = 1 / 60
-"""Least time in s between two frames."""
-
 BEHIND = 0.1
 """Time in s that the model may be behind the clock to catch up; what is more is lost."""
 
-BATCH = 20
-"""Most steps between two looks at the messages."""
-
-NAP = 2e-3
-"""Time in s to wait where nothing is due."""
-
 THREAD = "fefinger live"
-
-RATING = 1.0
-"""Time in s over which the pace of the model is measured."""
 
 Send = Callable[[str | bytes], None]
 
@@ -64,7 +52,8 @@ class Clock:
             self.lost += behind - BEHIND
             self._origin += behind - BEHIND
             behind = BEHIND
-        if now - self._since > RATING:
+        rating = 1.0  # time in s over which the pace of the model is measured
+        if now - self._since > rating:
             self.pace = (self._done - self._at) / (now - self._since)
             self._since, self._at = now, self._done
         return behind
@@ -130,8 +119,9 @@ class Session(threading.Thread):
     def _advance(self, player: Player) -> None:
         """Do what is due: steps, and a frame."""
         due, done = self._clock.due(), 0
+        batch = 20  # most steps between two looks at the messages
         try:
-            while due >= player.dt and done < BATCH:
+            while due >= player.dt and done < batch:
                 due -= player.dt
                 done += 1
                 self._clock.advance(player.dt)
@@ -139,11 +129,13 @@ class Session(threading.Thread):
         except (InputError, ConvergenceError) as error:
             self._tell("error", text=str(error))
         now = time.perf_counter()
-        if self._drawn and now - self._shown >= FRAME:
+        frame = 1 / 60  # least time in s between two frames
+        if self._drawn and now - self._shown >= frame:
             self._drawn, self._shown = False, now
             self._send(self._frame(player))
-        elif done < BATCH:
-            time.sleep(NAP)
+        elif done < batch:
+            nap = 2e-3  # time in s to wait where nothing is due
+            time.sleep(nap)
 
     def _answer_all(self, wait: float | None) -> None:
         """Answer the messages that are there; wait for one if nothing else is to do."""

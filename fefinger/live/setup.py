@@ -32,9 +32,6 @@ PLATE, BALL, CYLINDER, BAR = OBJECTS = ("plate", "ball", "cylinder", "bar")
 ONE, MANY = UNITS = ("4 units", "population")
 """One unit of each type under first touch, or some 300 about it."""
 
-RADIUS = 6.0
-"""Radius in mm of the population."""
-
 DEEPEST = 1.5
 """Depth in mm to which the finger may be pressed."""
 
@@ -46,9 +43,6 @@ SIZES = (0.5, 20.0)
 
 MODULI = (5.0, 2000.0)
 """Least and largest modulus in kPa of a soft object."""
-
-ROUNDED = 0.2
-"""Radius of the corners of a bar over its width."""
 
 
 @dataclass(frozen=True)
@@ -106,12 +100,14 @@ class Setup:
             return Sphere(float(self.size), modulus=self.modulus)
         if self.kind == CYLINDER:
             return Cylinder(float(self.size), roll, modulus=self.modulus)
-        return Bar(float(self.size), ROUNDED * self.size, roll)
+        rounded = 0.2  # radius of the corners of a bar over its width
+        return Bar(float(self.size), rounded * self.size, roll)
 
     @property
     def ask(self) -> Ask:
         """What a scene of it asks for."""
-        population = Scatter(radius=RADIUS) if self.units == MANY else None
+        radius = 6.0  # radius in mm of the population
+        population = Scatter(radius=radius) if self.units == MANY else None
         return Ask(spikes=TYPES, population=population, mechanics=self.mechanics)
 
     def loop(self, resolution: str, progress: Progress | None = None) -> Loop:

@@ -51,13 +51,6 @@ STEEP = 0.4
 """Contact radius over the radius of the object: there the force on a sphere is 2 % below that on
 the paraboloid of Hertz."""
 
-ASIDE = 2.5
-"""Degrees from the standard plate within which what is known of it is taken to hold, a convention:
-at .5 mm the force on the finger of a.h. (`linear`) falls by 8 % to 35 degrees, by 25 % to 40."""
-
-NEAR = 2.0
-"""Distance in mm from the first touch of the 30 degree plate within which the radius holds."""
-
 NOTES = (
     "The finger is a homogeneous half-space: no bone, no skin, no nail; a real finger is stiffer.",
     notes.SPHERICAL,
@@ -329,9 +322,13 @@ def reasons_of_place(case: Situation) -> Iterator[Reason]:
         yield Reason("finger.surface", reason)
     flat = case.indenter.flat
     if flat is not None:
-        if abs(flat.angle - STANDARD.angle) > ASIDE:
+        # Degrees from the standard plate within which what is known of it is taken to hold, a
+        # convention: at .5 mm the force on the finger of a.h. (`linear`) falls by 8 % to 35
+        # degrees, by 25 % to 40.
+        aside = 2.5
+        if abs(flat.angle - STANDARD.angle) > aside:
             reason = (
-                f"angle = {flat.angle:g} degrees is not within {ASIDE:g} of "
+                f"angle = {flat.angle:g} degrees is not within {aside:g} of "
                 f"{STANDARD.angle:g}: Hertz contact does not depend on the angle"
             )
             yield Reason("indenter.angle", reason)
@@ -340,6 +337,8 @@ def reasons_of_place(case: Situation) -> Iterator[Reason]:
             yield Reason("indenter.tilt", reason)
         return
     away = math.hypot(*(case.indenter.place or (0.0, 0.0)))
-    if away > NEAR:
-        reason = f"distance of indenter.at from the middle = {format_excess(away, NEAR)} mm"
+    # Distance in mm from the first touch of the 30 degree plate within which the radius holds.
+    near = 2.0
+    if away > near:
+        reason = f"distance of indenter.at from the middle = {format_excess(away, near)} mm"
         yield Reason("indenter.at", f"{reason}: R is that of the middle")

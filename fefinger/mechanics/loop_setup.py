@@ -42,10 +42,6 @@ from fefinger.support.vocabulary import TYPES
 
 PRESSED, CONDENSED, MODAL = MECHANICS = ("pressed", "condensed", "modal")
 
-SPEED = 10.0
-"""Speed in mm/s of the press whose error is looked up; that of small strain does not depend on
-it."""
-
 SUBSTEP = 1e-4
 """Longest step in s in which modes move, by default: all modes that are kept then do."""
 
@@ -204,7 +200,10 @@ def _warn_of_softness(finger: Finger, indenter: Indenter | OwnObstacle, deepest:
     known = ""
     if not isinstance(indenter, OwnObstacle):
         with suppress(InputError):  # a press that no scene can have has no known error
-            scene = Scene(finger=finger, indenter=indenter, motion=Ramp(SPEED, deepest))
+            # Speed in mm/s of the press whose error is looked up; that of small strain does not
+            # depend on it.
+            speed = 10.0
+            scene = Scene(finger=finger, indenter=indenter, motion=Ramp(speed, deepest))
             error, source = condensed.error(Situation.of(scene))
             if np.isfinite(error):
                 wrong = f"its force at {deepest:g} mm is wrong by some {percent(error)}"

@@ -43,9 +43,6 @@ REPORT = "lumped-force.json"
 ANGLES = (20.0, 40.0)
 """Angles of the plate in degrees at which Pawluk (1997) measured (section 2.2.1)."""
 
-FORCE = 3.0
-"""Largest force in N at which Pawluk (1997) measured (section 2.1)."""
-
 NUMERICAL = 1e-3
 """Error of the force against Eq. 2.3 solved exactly: of the time steps, tested in
 tests/mechanics/test_lumped.py."""
@@ -249,6 +246,7 @@ def _too_hard(case: Situation, identified_law: LumpedLaw) -> Iterator[Reason]:
     if not case.motion.by_force:
         where = f"relaxed force at {peak:.3g} mm"
         peak = identified_law.prony.long_time * float(identified_law.spring.force(peak))
-    if peak > FORCE:
-        reason = f"{where} = {format_excess(peak, FORCE)} N, the largest that was measured"
+    force = 3.0  # largest force in N at which Pawluk (1997) measured (section 2.1)
+    if peak > force:
+        reason = f"{where} = {format_excess(peak, force)} N, the largest that was measured"
         yield Reason("motion", reason)

@@ -34,9 +34,6 @@ from fefinger.support.progress import Progress
 name = "modal"
 traits = Traits(meshed=True, finite=False, inertia=True)
 
-SUDDEN = 0.5
-"""Suddenness of a press beyond which the modes cannot follow: the force is off by some tenths."""
-
 INERTIA = (
     "Inertia of the tissue, about a bone that does not move; the indenter has its motion or its "
     "force prescribed, and no mass."
@@ -71,11 +68,13 @@ def reasons(case: Situation) -> list[Reason]:
 def _too_sudden(case: Situation) -> Iterator[Reason]:
     last = vibration.last_mode(case)
     press_suddenness = vibration.suddenness(case.motion, 1 / last)
-    if press_suddenness > SUDDEN:
+    # Suddenness of a press beyond which the modes cannot follow: the force is off by some tenths.
+    sudden = 0.5
+    if press_suddenness > sudden:
         pace = case.motion.control.pace
         reason = (
             f"sudden change of the speed / (peak x frequency of the last mode, {last:.3g} Hz) = "
-            f"{press_suddenness:.2g} > {SUDDEN:g}: the modes do not follow it; press more slowly, "
+            f"{press_suddenness:.2g} > {sudden:g}: the modes do not follow it; press more slowly, "
             "or with a longer motion.corner"
         )
         yield Reason(f"motion.{pace}" if hasattr(case.motion, pace) else "motion", reason)

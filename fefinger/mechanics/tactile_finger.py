@@ -53,12 +53,6 @@ LIGHT = 0.25
 """Depth in mm up to which log t is proportional to depth: the force of so light a touch depends on
 which vertices of the mesh it meets."""
 
-MIDDLE = 2
-"""Index in ANGLES of the plate that touches farthest from the border of the pad."""
-
-RELAXED = 1e4
-"""Seconds in which any finger has relaxed."""
-
 
 class TouchState(NamedTuple):
     """State of all worlds of a tactile finger, some 30 kB each."""
@@ -161,13 +155,15 @@ class TactileFinger:
         depths = self.deepest * np.linspace(0.0, 1.0, DEPTHS + 1)
         light = min(int(np.searchsorted(depths, LIGHT)), DEPTHS)
         values = np.zeros((len(ANGLES), len(depths), 3))
-        for i in sorted(range(len(ANGLES)), key=lambda i: abs(i - MIDDLE)):  # the inner ones first
+        middle = 2  # index in ANGLES of the plate that touches farthest from the border of the pad
+        relaxed = 1e4  # seconds in which any finger has relaxed
+        for i in sorted(range(len(ANGLES)), key=lambda i: abs(i - middle)):  # the inner ones first
             table = Loop(self.finger, Flat(ANGLES[i]), deepest=self.deepest, progress=progress)
-            row, inner = values[i], values[i + np.sign(MIDDLE - i)]
+            row, inner = values[i], values[i + np.sign(middle - i)]
             rotation, place = under(ANGLES[i]), table.prepared.touch
             normal = rotation[:, 2]
             for k in range(light, len(depths)):
-                touch = pad.step([(Plane(), rotation, place + depths[k] * normal)], RELAXED)
+                touch = pad.step([(Plane(), rotation, place + depths[k] * normal)], relaxed)
                 along = float(touch.wrench[0, :3] @ normal)
                 if along == 0.0:
                     continue  # as far as nothing is touched, t is 1
@@ -175,7 +171,7 @@ class TactileFinger:
                 _, _, patch, fullness = posed.penetration(pad.pad, frame, work)
                 row[k, 1:] = np.log(patch), fullness
                 if touch.valid:
-                    row[k, 0] = np.log(table.rest(RELAXED, depth=float(depths[k])).force / along)
+                    row[k, 0] = np.log(table.rest(relaxed, depth=float(depths[k])).force / along)
                 else:  # the pad is stiff at its border: in proportion to the plate further inside
                     row[k, 0] = row[k - 1, 0]
                     row[k, 0] *= inner[k, 0] / inner[k - 1, 0] if inner[k - 1, 0] > 0 else 1.0

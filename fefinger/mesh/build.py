@@ -38,9 +38,6 @@ TEMPLATES = 3
 """Largest number of shipped meshes that are morphed before the mesher is called; of a scan all are,
 as the mesher is random."""
 
-ATTEMPTS = 4
-"""Largest number of meshings; each has a smaller envelope, as the mesher is not deterministic."""
-
 WANTED_SINE = np.sin(np.radians(14.0))
 """Sine of a dihedral angle below which the vertices of a cell are moved."""
 
@@ -64,7 +61,9 @@ def build(
             return mesh
         settings = SETTINGS[recipe.resolution]
     begun = monotonic()
-    for attempt in range(ATTEMPTS):
+    # Largest number of meshings; each has a smaller envelope, as the mesher is not deterministic.
+    attempts = 4
+    for attempt in range(attempts):
         say(f"meshing, attempt {attempt + 1}")
         chosen = replace(settings, envelope=settings.envelope * 0.85**attempt)
         try:

@@ -19,9 +19,6 @@ DENSEST, THINNED, FITTED = 0.15, 0.25, 60
 sample of the scan each, and the number of samples in a fit: those within some 1.1 mm, however dense
 the scan is."""
 
-AT_ONCE = 1000
-"""Points that are fitted at a time; all 18,697 of a finger took twice as long, in main memory."""
-
 
 @dataclass(frozen=True)
 class Cloud:
@@ -101,9 +98,11 @@ def smoothed(points: Array, normals: Array) -> Cloud:
     kept = _thinned(points, DENSEST)
     points, normals = points[kept], normals[kept]
     distance, near = cKDTree(samples).query(points, k=FITTED)
+    # Points that are fitted at a time; all 18,697 of a finger took twice as long, in main memory.
+    at_once = 1000
     fitted = [
         _fitted(points[part], normals[part], samples[near[part]], distance[part])
-        for part in (slice(start, start + AT_ONCE) for start in range(0, len(points), AT_ONCE))
+        for part in (slice(start, start + at_once) for start in range(0, len(points), at_once))
     ]
     moved, turned = (np.concatenate(each) for each in zip(*fitted, strict=True))
     return Cloud.of(moved, turned)

@@ -30,9 +30,6 @@ ROOM = 0.2
 RIDGE, FOREMOST = 400, 12.0
 """Number of points along the finger at which the touch of a plate is sought; largest x in mm."""
 
-BACKWARD = 0.1
-"""Steps in mm by which the edge of the pad is looked for."""
-
 BONE_AHEAD, BONE_ROUNDED = 0.42, 0.3
 """Tissue ahead of a bone, over the thickness, and length of the rounding of its end, over the width
 of the finger, where the recipe gives no other."""
@@ -162,13 +159,14 @@ def touch_within(shape: Shape, touch: float | tuple[float, float], reach: float)
     if not isinstance(touch, tuple) or touch == (0.0, 0.0):
         return touch_point(shape, touch)
     far = float(np.hypot(*touch))
-    for back in np.arange(0.0, far, BACKWARD):
+    backward = 0.1  # steps in mm by which the edge of the pad is looked for
+    for back in np.arange(0.0, far, backward):
         place = (touch[0] * (1 - back / far), touch[1] * (1 - back / far))
         try:
             point = touch_point(shape, place)
         except InputError:
             continue
-        if back < reach + BACKWARD:
+        if back < reach + backward:
             return point
         raise InputError(
             f"indenter.at: expected a place (x, y) mm on the pad, or so near that the object "

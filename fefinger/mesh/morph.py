@@ -28,9 +28,6 @@ Stations = Callable[[Array, Array], Array]
 
 BONE_SHELL = smooth.ON_SHELLS.index("bone")
 
-LEAST = 1e-9
-"""Size in mm of a section that counts as a point."""
-
 
 @dataclass(frozen=True)
 class Draft:
@@ -136,11 +133,12 @@ def mapped(points: Array, source: Shell, target: Shell, stations: Stations) -> A
     """Return points (n, 3) on a shell moved to their stations on another, at the same angle."""
     sizes = source.heights(points[:, 0])
     height = points[:, 2] - source.middle
-    above = height / np.maximum(np.where(height < 0.0, sizes[1], sizes[2]), LEAST)
+    least = 1e-9  # size in mm of a section that counts as a point
+    above = height / np.maximum(np.where(height < 0.0, sizes[1], sizes[2]), least)
     x = stations(points[:, 0], above)
     # At the tip, where all sections shrink to a point, any ratio is right.
     pairs = zip(sizes, target.heights(x), strict=True)
-    side, low, high = (np.maximum(to, LEAST) / np.maximum(at, LEAST) for at, to in pairs)
+    side, low, high = (np.maximum(to, least) / np.maximum(at, least) for at, to in pairs)
     height *= np.where(height < 0.0, low, high)
     return np.column_stack([x, points[:, 1] * side, target.middle + height])
 

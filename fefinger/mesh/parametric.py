@@ -28,11 +28,6 @@ ROUNDING = (np.radians(36.0), np.radians(70.0))
 """The same where the recipe has a radius of the tip: a wider turn keeps the pad round longer."""
 
 
-THICK_SKIN = 0.7
-"""Skin over the radius of the tip that has an inner surface in all fingers of the shape of the
-means: up to 0.73 in one 8 mm wide and 6 mm thick, 0.78 in one of 22 and 16 mm."""
-
-
 def radii(recipe: Recipe) -> tuple[float, float]:
     """Return the wanted radii (R', R'') mm: R'' = (w/2)^2/(t/2), R' = R^2/R''."""
     across = (recipe.width / 2.0) ** 2 / (recipe.thickness / 2.0)
@@ -122,9 +117,12 @@ def _check_round(under: Shell, recipe: Recipe) -> None:
 def _thick(recipe: Recipe) -> InputError:
     """Return the error of a skin that is too thick for its tip."""
     tip = recipe.tip_radius or TIP_RADIUS * recipe.thickness
+    # Skin over the radius of the tip that has an inner surface in all fingers of the shape of the
+    # means: up to 0.73 in one 8 mm wide and 6 mm thick, 0.78 in one of 22 and 16 mm.
+    thick_skin = 0.7
     return InputError(
-        f"finger.skin.thickness: expected less than some {THICK_SKIN * tip:.2g} mm, "
-        f"{THICK_SKIN:g} of the radius of the tip of a finger {recipe.thickness:g} mm thick, "
+        f"finger.skin.thickness: expected less than some {thick_skin * tip:.2g} mm, "
+        f"{thick_skin:g} of the radius of the tip of a finger {recipe.thickness:g} mm thick, "
         f"received {recipe.skin_thickness:g} mm; use a thinner skin or a thicker finger"
     )
 

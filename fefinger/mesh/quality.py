@@ -29,9 +29,6 @@ from fefinger.support.checks import ConvergenceError
 MIN_DIHEDRAL = 8.0
 """Degrees; below it the condition of a Taylor-Hood element grows as 1/sin of the angle."""
 
-SURFACE_GAP = 1e-5
-"""Largest distance in mm of a pad vertex from the smooth skin, which defines the contact gap."""
-
 
 @dataclass(frozen=True)
 class Bounds:
@@ -157,7 +154,9 @@ def gate(quality: dict[str, Any], bounds: Bounds = STRICT) -> None:
     for name, count in quality["parts"].items():
         if count != 1:
             faults.append(f"{name} in {count} parts, wanted one")
-    if not quality["surface_gap"] <= SURFACE_GAP:
+    # Largest distance in mm of a pad vertex from the smooth skin, which defines the contact gap.
+    surface_gap = 1e-5
+    if not quality["surface_gap"] <= surface_gap:
         faults.append(f"a pad vertex {quality['surface_gap']:.2g} mm off the smooth skin")
     faults += _off(quality, bounds)
     if faults:

@@ -37,27 +37,15 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 
-SIZE_ERROR = 0.35
-"""Relative difference of a scan's width from the given one that indicates a wrong unit."""
-
 STATIONS, LAST = 60, 0.15
 """Points of a profile, and the root of the last one's share of the length from the tip."""
-
-ON_SHELL = 1e-6
-"""Distance in mm from a shell up to which points are on it."""
 
 NARROWED, FULL = 0.92, 0.97
 """Width at the cut, over the largest, below which a scan is rounded at its proximal end, and that
 from which on it counts; it is 1 in a parametric finger."""
 
-SHORTEST = 0.3
-"""Least tissue ahead of a bone, over the thickness, in a short scan; 0.42 or more elsewhere."""
-
 SLIM = (1.0, 0.9, 0.8, 0.7, 0.6)
 """Widths and heights of a parametric bone that are tried in turn, over the usual ones."""
-
-BEHIND = 0.5
-"""Distance in mm of the cut from the proximal end of the skin."""
 
 ASYMMETRY = 0.15
 """Largest mean distance of a scan, or of its bone, from its mirror image, over half its width."""
@@ -68,9 +56,6 @@ AVERAGED = 0.1
 PRESSED, FORCE_POWER = 1.0, 2.0
 """Depth in mm of the plate whose force the noise of a scan is stated for, and the power of depth by
 which the force of a fingertip grows: some 1.5 (Hertz) to 2.5 (tissue that stiffens)."""
-
-TOLD = 0.005
-"""Share of the force that noise leaves uncertain from which on a note says so."""
 
 
 def shape_of(recipe: Recipe) -> Shape:
@@ -96,8 +81,9 @@ def scanned(recipe: Recipe) -> Shape:
     file = _read(recipe)
     averaged = _check_symmetry(file, recipe)
     points, normals = file.skin.sampled(SAMPLING)
-    end = max(file.start + BEHIND, float(points[:, 0].max()) - used_length(recipe.width))
-    points, normals = (each[points[:, 0] > end - BEHIND] for each in (points, normals))
+    behind = 0.5  # distance in mm of the cut from the proximal end of the skin
+    end = max(file.start + behind, float(points[:, 0].max()) - used_length(recipe.width))
+    points, normals = (each[points[:, 0] > end - behind] for each in (points, normals))
     touch = _first_touch(Cloud.of(points, normals))
     skin = Cloud.of(points - touch, normals)
     under = replace(skin, inset=recipe.skin_thickness)
@@ -186,10 +172,12 @@ def _repaired(error: InputError, file: SurfaceFile) -> InputError:
 def _check_length(recipe: Recipe, length: float) -> None:
     """Raise InputError for a scan that has no length for a bone with a base."""
     ahead = finger_shape.BASE * recipe.width
-    if recipe.bone_surface is None and length < ahead + SHORTEST * recipe.thickness:
+    # Least tissue ahead of a bone, over the thickness, in a short scan; 0.42 or more elsewhere.
+    shortest = 0.3
+    if recipe.bone_surface is None and length < ahead + shortest * recipe.thickness:
         raise InputError(
             "finger.surface: expected a scan that is whole up to "
-            f"{ahead + SHORTEST * recipe.thickness:.1f} mm from its tip, for the tissue ahead of a "
+            f"{ahead + shortest * recipe.thickness:.1f} mm from its tip, for the tissue ahead of a "
             f"bone and its base, received one that is up to {length:.1f} mm; use a longer one"
         )
 
@@ -268,7 +256,8 @@ def _half(smooth: SmoothSurface, near: Shell, step: float, *, overhang: float = 
     points, faces = surface.half(near, step, overhang=overhang)
     if smooth is near:
         return points, faces
-    outer = np.abs(near.level(points)) < ON_SHELL
+    on_shell = 1e-6  # distance in mm from a shell up to which points are on it
+    outer = np.abs(near.level(points)) < on_shell
     free = np.ones((int(outer.sum()), 3), dtype=bool)
     free[points[outer, 1] == 0.0, 1] = False
     free[points[outer, 0] == points[0, 0], 0] = False
@@ -308,7 +297,9 @@ def _refined(closed: "Trimesh") -> "Trimesh":
 def _read(recipe: Recipe) -> SurfaceFile:
     """Read the surface file of a recipe; InputError for another width than the recipe's."""
     file = read_surface(str(recipe.surface), "finger.surface", recipe.axes or FOUND)
-    if abs(file.width / recipe.width - 1.0) > SIZE_ERROR:
+    # Relative difference of a scan's width from the given one that indicates a wrong unit.
+    size_error = 0.35
+    if abs(file.width / recipe.width - 1.0) > size_error:
         raise InputError(
             f"finger.surface: expected a finger about {recipe.width:g} mm wide, received one of "
             f"{file.width:.4g}; the file must be in mm"
@@ -371,7 +362,8 @@ def _noise(skin: SmoothSkin, touch: Array, radii: tuple[float, float]) -> tuple[
     weights = np.full(len(points) + 1, 1.0 / len(points))
     weights[-1] = -1.0
     share = FORCE_POWER / PRESSED * skin.spread(np.append(points, touch[None], axis=0), weights)
-    if share < TOLD:
+    told = 0.005  # share of the force that noise leaves uncertain from which on a note says so
+    if share < told:
         return ()
     return (
         f"The noise of the scan, {skin.noise:.2g} mm at each vertex, leaves the force of a plate "

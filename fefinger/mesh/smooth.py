@@ -10,14 +10,8 @@ from fefinger.mesh.finger_shape import Shape, SmoothSurface
 from fefinger.support.arrays import Array, Flags, Integers
 
 
-TRIALS = 24
-"""Random positions tried for a vertex in one sweep; about one in four moves then helps."""
-
 ON_SHELLS = ("pad", "skin-subcutaneous", "bone")
 """Facet sets on the outer surfaces of skin, subcutaneous tissue and bone; the nail is pad here."""
-
-OFFSET = 0.01
-"""Offset in mm of the bone's surface from which its volume is extrapolated."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +62,9 @@ def bone_of_volume(
     on = free.any(axis=1)
     moves = np.zeros_like(points)
     moves[on] = shape.bone.normals(points[on]) * free[on]
-    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, OFFSET))
-    return points + OFFSET * (volume - present) / (trial - present) * moves
+    offset = 0.01  # offset in mm of the bone's surface from which its volume is extrapolated
+    present, trial = (volumes(points + step * moves, bone).sum() for step in (0.0, offset))
+    return points + offset * (volume - present) / (trial - present) * moves
 
 
 def sines(corners: Array) -> Array:
@@ -165,9 +160,11 @@ def _move(
     """Move one vertex, in place, to the trial with the best worst angle in its star (k, 4)."""
     here = points[vertex]
     size = np.sqrt(np.mean(np.sum((points[star] - here) ** 2, axis=2)))
-    steps = random.normal(size=(TRIALS, 3)) * size * reach * random.random((TRIALS, 1))
+    # Random positions tried for a vertex in one sweep; about one in four moves then helps.
+    trials = 24
+    steps = random.normal(size=(trials, 3)) * size * reach * random.random((trials, 1))
     steps[:, ~supports.free[vertex]] = 0.0
-    places = supports.place(here + steps, np.full(TRIALS, vertex))
+    places = supports.place(here + steps, np.full(trials, vertex))
     places[:, ~supports.free[vertex]] = here[~supports.free[vertex]]
     places = np.concatenate([here[None], places])
     corners = np.repeat(points[star][None], len(places), axis=0)

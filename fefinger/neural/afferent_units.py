@@ -36,9 +36,6 @@ LINES = 1e-5
 _DENSE = 500_000
 """Number of current values held at a time: 4 MB, and several times that during computation."""
 
-LANES = 16
-"""Number of units that one thread integrates at once; groups of this size keep all lanes filled."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class _Setup:
@@ -312,10 +309,12 @@ def _fire(setup: _Setup, *, driven: bool) -> Firing:
         return _joined(races, np.arange(len(races)))
     runs, order = [], []
     types = setup.units.types
+    # Number of units that one thread integrates at once; groups of this size keep all lanes filled.
+    lanes = 16
     for kind in dict.fromkeys(types):
         units = [i for i, other in enumerate(types) if other == kind]
         at = setup.sampled(units)
-        step = LANES * max(1, _DENSE // (LANES * len(at)))
+        step = lanes * max(1, _DENSE // (lanes * len(at)))
         for start in range(0, len(units), step):
             some = units[start : start + step]
             currents = setup.combined(some, at)

@@ -18,12 +18,6 @@ from fefinger.support.vocabulary import DRIVES, TYPES
 POISSON = 0.48
 """Poisson's ratio in the energy drive: subcutaneous tissue in the published sets."""
 
-BLOCK = 256
-"""End organs whose drive is computed together, so that a population needs little memory."""
-
-SMALLEST_DRIVE = 0.02
-"""Smallest reference drive over the norm of the reference strain; below, the length is noise."""
-
 
 def compressive(strain: Array, normals: Array) -> Array:
     """Return max(0, -smallest principal strain).
@@ -115,9 +109,11 @@ def driven_displacements(
     if not np.isfinite(strain).all():
         raise InputError("strain: expected finite values")
     x_in = np.empty(strain.shape[:2])
+    # End organs whose drive is computed together, so that a population needs little memory.
+    block = 256
     for kind in dict.fromkeys(types):
         of_kind = np.flatnonzero([other == kind for other in types])
-        for some in np.split(of_kind, range(BLOCK, len(of_kind), BLOCK)):
+        for some in np.split(of_kind, range(block, len(of_kind), block)):
             drive = DRIVE_BY_NAME[drives[kind]](strain[:, some], normals[some])
             x_in[:, some] = lengths[kind] * drive
     return x_in
@@ -183,7 +179,10 @@ class Reference:
         i = self.types.index(kind)
         value = float(DRIVE_BY_NAME[drive](self.strain[i : i + 1], self.normals[i : i + 1])[0])
         norm = float(np.linalg.norm(self.strain[i]))
-        if not value > SMALLEST_DRIVE * norm:
+        # Smallest reference drive over the norm of the reference strain; below, the length is
+        # noise.
+        smallest_drive = 0.02
+        if not value > smallest_drive * norm:
             raise InputError(
                 f"drives.{kind}: the drive {drive!r} is {value:.3g} at the site of {kind} in the "
                 f"reference press of {self.depth:g} mm, against a strain of {norm:.3g}; expected "

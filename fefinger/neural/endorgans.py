@@ -13,10 +13,6 @@ from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import GENERATORS
 
 
-_APART = 1e-6
-"""Smallest relative distance of two poles: partial fractions of nearer ones cancel."""
-
-
 class Organ(Protocol):
     """A filter from skin to nerve displacement, with `respond` as in `PoleZero`."""
 
@@ -55,11 +51,13 @@ class PoleZero:
     def __post_init__(self) -> None:
         finite = all(math.isfinite(f) and f >= 0 for f in (*self.zeros, *self.poles))
         poles = np.sort(self.poles)
-        distinct = bool((np.diff(poles) > _APART * poles[1:]).all())
+        # Smallest relative distance of two poles: partial fractions of nearer ones cancel.
+        apart = 1e-6
+        distinct = bool((np.diff(poles) > apart * poles[1:]).all())
         if len(self.zeros) != len(self.poles) or not (finite and distinct and all(self.poles)):
             raise InputError(
                 "end organ: expected as many zeros as poles, zeros of 0 Hz or more and poles "
-                f"above 0 Hz that differ by {_APART:g} of themselves, received zeros {self.zeros} "
+                f"above 0 Hz that differ by {apart:g} of themselves, received zeros {self.zeros} "
                 f"and poles {self.poles} Hz"
             )
 

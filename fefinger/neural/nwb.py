@@ -37,9 +37,6 @@ COLUMNS = {
 }
 """Columns of the table of units, and their meaning."""
 
-EVEN = 1e-9
-"""Relative difference of steps of time that are one step."""
-
 
 class Recorded(NamedTuple):
     """What is written: spike times in s by unit, units, span in s, and what drove them.
@@ -128,6 +125,7 @@ def _made(name: str, cls: Any, fields: Mapping[str, object]) -> Any:
 def _clock(time: Array) -> dict[str, object]:
     """Return the times (n,) of a series as start and rate, if they are even."""
     steps = np.diff(time)
-    if np.ptp(steps) > EVEN * steps.mean():
+    even = 1e-9  # relative difference of steps of time that are one step
+    if np.ptp(steps) > even * steps.mean():
         return {"timestamps": time}
     return {"starting_time": float(time[0]), "rate": float((len(time) - 1) / (time[-1] - time[0]))}

@@ -26,9 +26,6 @@ BESIDE = 0.5
 """Largest distance in mm of a place from the skin, across its axis; independent of the mesh, so
 that all meshes keep the same places of a grid."""
 
-SHOWN = 3
-"""Number of places beside the skin that a message lists."""
-
 
 @dataclass(frozen=True)
 class Surface:
@@ -209,8 +206,9 @@ def over(surface: Surface, places: ArrayLike, name: str, advice: str) -> Array:
     points, on = _on_skin(surface, wanted, name)
     beside = np.delete(wanted, on, axis=0)
     if len(beside):
-        listed = ", ".join(f"[{x:.4g}, {y:.4g}]" for x, y in beside[:SHOWN])
-        more = ", ..." if len(beside) > SHOWN else ""
+        shown = 3  # number of places beside the skin that a message lists
+        listed = ", ".join(f"[{x:.4g}, {y:.4g}]" for x, y in beside[:shown])
+        more = ", ..." if len(beside) > shown else ""
         raise InputError(
             f"{name}: expected places over the skin, received {len(beside)} beside it, at "
             f"{listed}{more} mm; {advice}"

@@ -44,16 +44,6 @@ THRESHOLD = IntegrateAndFire().threshold
 """Current in µA/cm² that the threshold of every unit counts as: a nominal one, since only the
 ratio of a current to the threshold matters."""
 
-TRIALS = 4
-"""Other trials that bound a spike count: with the first the least and largest of five, between
-which the next one lies in two of three cases."""
-
-SPIKE_MV = 40.0
-"""Potential in mV that the threshold counts as, as in `IntegrateAndFire`."""
-
-APART = 1.1
-"""Least ratio of the two corners of a filter, so that its partial fractions do not cancel."""
-
 LONGEST = {"SAI": 2e-4, "SAII": 2e-4, "FAI": 2e-4, "FAII": 1e-4}
 """Longest integration step in s of the units of a type."""
 
@@ -117,9 +107,11 @@ class Recorded:
             set_number(self, name, at_least=bounds.low, at_most=bounds.high, unit=bounds.unit)
         if self.order not in (1.0, 2.0):
             raise InputError(f"order: expected 1 or 2, received {self.order:g}")
-        if self.upper < APART * self.corner:
+        # Least ratio of the two corners of a filter, so that its partial fractions do not cancel.
+        apart = 1.1
+        if self.upper < apart * self.corner:
             raise InputError(
-                f"upper: expected {APART:g} times the corner of {self.corner:g} Hz or more, "
+                f"upper: expected {apart:g} times the corner of {self.corner:g} Hz or more, "
                 f"received {self.upper:g} Hz"
             )
 
@@ -325,6 +317,7 @@ def simulate_recorded(
         other = partial(_fire, units, *given.thinned(x_in), steps)
         said, rerun = given.changes(times, lambda: other()[0], change)
         notes, reruns = notes + said, [*reruns, rerun]
+    spike_mv = 40.0  # potential in mV that the threshold counts as, as in `IntegrateAndFire`
     return given.trains(
         times,
         x_in=x_in,
@@ -332,7 +325,7 @@ def simulate_recorded(
         reruns=reruns,
         family="recorded",
         current=THRESHOLD * current,
-        peak_mV=SPIKE_MV * peaks,
+        peak_mV=spike_mv * peaks,
         seed=variation.seed,
         trial=variation.trial,
     )
@@ -347,7 +340,10 @@ def _varied(
     units.
     """
     if units.noise.any():
-        for trial in range(1, TRIALS + 1):
+        # Other trials that bound a spike count: with the first the least and largest of five,
+        # between which the next one lies in two of three cases.
+        trials = 4
+        for trial in range(1, trials + 1):
             # Its noise is independent: the counter is mixed before it is used.
             yield f"other trial {trial}", units._replace(stream=units.stream + np.uint64(trial))
     if not fitted_gains:

@@ -26,17 +26,6 @@ if TYPE_CHECKING:
     from fefinger.neural.trains import SpikeTrains
 
 
-OUTWARD = 1.1
-"""Ratio of the lowest value below 0 to the highest one from which a wrong sign is suspected: the
-extremes of a vibration about 0 differ only by its sampling."""
-
-SLOW_JUMP = 0.3
-"""Limit for SA units of the jump of velocity between coarse samples, over the largest velocity:
-straight lines through a sinusoid with such jumps deviate from it by 1 %."""
-
-RATE = 5.0
-"""Samples per period of the fastest pole of a type from which on its input is fine enough."""
-
 OR_CORNERS = "or say that straight lines between the samples are exact (corners, --corners)"
 """What else can be done where samples are too coarse for a type."""
 
@@ -275,11 +264,14 @@ def _remarks(signals: Signals) -> list[str]:
         for header, first in zip(signals.headers, signals.drive[0], strict=True)
         if first != 0.0
     ]
+    # Ratio of the lowest value below 0 to the highest one from which a wrong sign is suspected: the
+    # extremes of a vibration about 0 differ only by its sampling.
+    outward = 1.1
     for header, column, length in zip(
         signals.headers, signals.drive.T, signals.lengths, strict=True
     ):
         low, high = float(column.min()), max(0.0, float(column.max()))
-        if -low > OUTWARD * high:
+        if -low > outward * high:
             wanted = "into the skin" if length is not None else "where it excites the type"
             notes.append(
                 f"{header}: goes down to {low:g}, but only up to {high:g}; expected are positive "
@@ -353,14 +345,19 @@ def _too_coarse(signals: Signals, unit: _Unit, pole: float) -> str:
     from fefinger.neural.checked_signals import FAII_JUMP, coarse_jump
 
     x = unit.mm * signals.drive[:, unit.column]
-    jump, limit = coarse_jump(signals.time, x, 1 / (RATE * pole)), FAII_JUMP
+    # Samples per period of the fastest pole of a type from which on its input is fine enough.
+    rate = 5.0
+    jump, limit = coarse_jump(signals.time, x, 1 / (rate * pole)), FAII_JUMP
     if unit.kind.startswith("SA"):
         apart = np.diff(signals.time)
-        limit = SLOW_JUMP * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
+        # Limit for SA units of the jump of velocity between coarse samples, over the largest
+        # velocity: straight lines through a sinusoid with such jumps deviate from it by 1 %.
+        slow_jump = 0.3
+        limit = slow_jump * float(np.abs(np.diff(x)[apart > 0] / apart[apart > 0]).max())
     if jump <= limit:
         return ""
-    digit = 10.0 ** (np.floor(np.log10(RATE * pole)) - 1)
-    enough = np.ceil(RATE * pole / digit - 1e-9) * digit  # rounded up to two digits
+    digit = 10.0 ** (np.floor(np.log10(rate * pole)) - 1)
+    enough = np.ceil(rate * pole / digit - 1e-9) * digit  # rounded up to two digits
     return (
         f"column {signals.headers[unit.column]!r}: its samples are too coarse for {unit.kind}, "
         f"which responds up to about {pole:.3g} Hz: the velocity jumps by {jump:.3g} mm/s between "

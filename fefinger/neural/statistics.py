@@ -14,10 +14,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 
 
-ROUNDING = 1e-9
-"""Time in s by which a window may extend beyond what was recorded: sums of steps round."""
-
-
 def mean_rates(trains: SpikeTrains, start: float | None = None, stop: float | None = None) -> Array:
     """Return spikes per second of each unit from `start` up to `stop` s, (n_units,) Hz.
 
@@ -28,7 +24,9 @@ def mean_rates(trains: SpikeTrains, start: float | None = None, stop: float | No
     first, last = trains.t_start, trains.t_stop
     start = number("start", first if start is None else start, unit="s")
     stop = number("stop", last if stop is None else stop, above=start, unit="s")
-    if start < first - ROUNDING or stop > last + ROUNDING:
+    # Time in s by which a window may extend beyond what was recorded: sums of steps round.
+    rounding = 1e-9
+    if start < first - rounding or stop > last + rounding:
         raise InputError(
             f"start, stop: expected times from {first:.6g} to {last:.6g} s, within which spikes "
             f"were recorded, received {start:.6g} to {stop:.6g} s"

@@ -12,11 +12,6 @@ from fefinger.support.checks import InputError, choice, integer, number
 from fefinger.support.vocabulary import TYPES
 
 
-NOISE_STEP = 1e-3
-"""Time in s between independent values of membrane noise, which is linear in between: a choice,
-near the open time of a channel and far below the time constants of the slowed membrane."""
-
-
 def numbered(types: Sequence[str], places: ArrayLike | None = None) -> Integers:
     """Return numbers (n_units,) of units, by type and by place among the units of their type.
 
@@ -90,7 +85,11 @@ class Variation:
 
     def knots(self, start: float, stop: float) -> Array:
         """Return the times in s of the independent values of the noise."""
-        return start + NOISE_STEP * np.arange(np.ceil((stop - start) / NOISE_STEP) + 2)
+        # Time in s between independent values of membrane noise, which is linear in between: a
+        # choice, near the open time of a channel and far below the time constants of the slowed
+        # membrane.
+        noise_step = 1e-3
+        return start + noise_step * np.arange(np.ceil((stop - start) / noise_step) + 2)
 
     def _draw(self, unit: int, purpose: int, trial: int = 0) -> np.random.Generator:
         """Random generator of a unit for one purpose, 0 gain or 1 noise, in a trial."""

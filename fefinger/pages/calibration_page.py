@@ -22,9 +22,6 @@ RECORD, MODEL, MARK = figures.COLORS["SAI"], figures.INK, figures.COLORS["FAI"]
 LAGS = 40
 """Averages over which the autocorrelation of a residual is drawn."""
 
-BEFORE = 0.2
-"""Part of the ramp's time that is drawn before touch."""
-
 SHOWN = (
     "Averages of samples, about touch and the ramp (left) and over the hold (middle). The residual "
     "is model less record; of it, the dark band holds 95 % if the noise of force and position is "
@@ -111,7 +108,8 @@ def residuals(press: PressFit) -> "Figure":
     touch = float(time[np.argmax(depth > 0)])
     deepest = float(time[np.argmax(depth >= depth.max() - 0.01 * np.ptp(depth))])
     ramp = max(deepest - touch, 1e-6)
-    spans = ((touch - BEFORE * ramp, deepest + ramp), (float(time[0]), float(time[-1])))
+    before = 0.2  # part of the ramp's time that is drawn before touch
+    spans = ((touch - before * ramp, deepest + ramp), (float(time[0]), float(time[-1])))
     for column, (begin, end) in enumerate(spans):
         inside = (time >= begin) & (time <= end)
         scale, unit = (1e3, "ms") if end - begin < figures.SHORT else (1.0, "s")

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 Complex = NDArray[np.complex128]
 
-MICROJOULE = 1e3  # per N mm
 PER_METER = 1e3  # mm per m
 
 
@@ -78,7 +77,8 @@ class Harmonic:
 
     def dissipated_energy(self, amplitude: float) -> Array:
         """Energy (n_f,) in µJ lost in each cycle of an oscillation of `amplitude` mm."""
-        return np.asarray(MICROJOULE * np.pi * self.stiffness.imag * amplitude**2)
+        microjoule = 1e3  # per N mm
+        return np.asarray(microjoule * np.pi * self.stiffness.imag * amplitude**2)
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the arrays as a Dataset with units, as `result.nc` of a sweep holds them."""

@@ -21,9 +21,6 @@ from fefinger.support.text import percent
 REFERENCE = "solid"
 """Mechanics against which errors are stated."""
 
-NOT_SMALL = 0.4
-"""Principal strain from which on small strain is cautioned of: its square is no longer small."""
-
 
 SWINGS, OF_NOISE = 0.02, 5.0
 """Largest force below 0, over the peak and over the noise, of which no caution is needed."""
@@ -152,7 +149,9 @@ def _beyond_small(result: ResultRecord) -> list[str]:
         return []
     low, high = result.principal
     largest = float(max(-low.min(initial=0.0), high.max(initial=0.0)))
-    if largest <= NOT_SMALL:
+    # Principal strain from which on small strain is cautioned of: its square is no longer small.
+    not_small = 0.4
+    if largest <= not_small:
         return []
     finite = ", ".join(name for name, traits in MECHANICS.items() if traits.finite)
     return [

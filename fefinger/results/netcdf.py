@@ -29,10 +29,6 @@ FORMAT = "fefinger result 1"
 FAMILY = FORMAT.rstrip("0123456789")
 """Beginning of the format of every version."""
 
-MOST_UNPACKED = 200
-"""Largest ratio of the bytes of all values to those of their file, which are compressed: pressures
-and strains of a short touch in a long rest were 30 times their file."""
-
 SINGLE = {"pad", "site", "unit", "point"}
 """Dimensions along which values through time are stored in single precision, of 7 digits: most of a
 result, whose errors are percents."""
@@ -80,7 +76,11 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
         ) as opened:
             kind = opened.attrs.get("format")
             if kind == FORMAT:
-                if opened.nbytes > MOST_UNPACKED * file.stat().st_size:
+                # Largest ratio of the bytes of all values to those of their file, which are
+                # compressed: pressures and strains of a short touch in a long rest were 30 times
+                # their file.
+                most_unpacked = 200
+                if opened.nbytes > most_unpacked * file.stat().st_size:
                     raise ValueError("more values than the file can hold")
                 arrays = opened.load()
                 if arrays.attrs.get(DIGEST, "") not in ("", _digest(arrays)):

@@ -19,9 +19,6 @@ if TYPE_CHECKING:
 MOST = 8
 """Largest number of parts of an edge: their number limits memory, which grows with its square."""
 
-FAR = 4.0
-"""Cutoff of a Gaussian in standard deviations; it neglects 3e-4 of the weight."""
-
 SPREAD = 1 / np.sqrt(2 * np.pi)
 """Standard deviation in mm of a Gaussian whose integral is 1 mm² times its peak."""
 
@@ -76,8 +73,9 @@ def _means(pad: Pad, pressure: Array) -> tuple[Array, Array]:
         return pad.points[:1], np.zeros((1, len(pressure)))
     pad = pressed(pad, used)
     between, loads = net(pad, cuts(pad, SPREAD))
+    far = 4.0  # cutoff of a Gaussian in standard deviations; it neglects 3e-4 of the weight
     near = KDTree(pad.points[used]).sparse_distance_matrix(
-        KDTree(between @ pad.points), FAR * SPREAD, output_type="coo_matrix"
+        KDTree(between @ pad.points), far * SPREAD, output_type="coo_matrix"
     )
     near.data = np.exp(-(near.data**2) / (2 * SPREAD**2)) / (2 * np.pi * SPREAD**2)
     return pad.points[used], np.asarray((near @ loads)[:, used] @ pressure[:, used].T)

@@ -16,16 +16,6 @@ from fefinger.support.arrays import Array
 REPEAT = 8
 """Yarns along a side of the square that repeats."""
 
-PER_WAVE = 6.0
-"""Samples in the shortest wave of the fibers."""
-
-FALL = 3.6
-"""Power of the wavenumber with which the spectrum of the fibers falls, that of a self-affine
-surface of Hurst exponent 0.8: 2 (1 + 0.8)."""
-
-MARGIN = 3
-"""Samples beyond the square, for the spline through them."""
-
 
 @final
 @dataclass(frozen=True)
@@ -60,7 +50,8 @@ class Fabric(Indenter):
     @cached_property
     def heights(self) -> Array:
         """Heights (n, n) mm of the square that repeats, from a crown on."""
-        n = 2 * int(np.ceil(PER_WAVE * self.tile / min(self.fiber, self.yarn) / 2))
+        per_wave = 6.0  # samples in the shortest wave of the fibers
+        n = 2 * int(np.ceil(per_wave * self.tile / min(self.fiber, self.yarn) / 2))
         turn = 2 * np.pi * REPEAT * np.arange(n) / n
         crowns = (1 + np.cos(turn)) / 2
         return self.height * np.multiply.outer(crowns, crowns) + self._fibers(n)
@@ -70,7 +61,10 @@ class Fabric(Indenter):
         along, across = np.meshgrid(fft.fftfreq(n), fft.rfftfreq(n), indexing="ij")
         q = np.hypot(along, across) * n / self.tile
         inside = (q > 1 / self.yarn) & (q <= 1 / self.fiber)
-        size = np.where(inside, np.maximum(q, 1 / self.tile) ** (-FALL / 2), 0.0)
+        # Power of the wavenumber with which the spectrum of the fibers falls, that of a self-affine
+        # surface of Hurst exponent 0.8: 2 (1 + 0.8).
+        fall = 3.6
+        size = np.where(inside, np.maximum(q, 1 / self.tile) ** (-fall / 2), 0.0)
         phases = np.exp(2j * np.pi * np.random.default_rng(self.seed).random(q.shape))
         waves = np.asarray(fft.irfft2(size * phases, (n, n)))
         deviation = float(waves.std())
@@ -80,7 +74,8 @@ class Fabric(Indenter):
     def profile(self) -> profiles.Tiled:
         """The square, repeated."""
         n = len(self.heights)
-        index = np.arange(-MARGIN, n + MARGIN + 1)
+        margin = 3  # samples beyond the square, for the spline through them
+        index = np.arange(-margin, n + margin + 1)
         lines = self.tile / n * index.astype(np.float64)
         relief = profiles.Relief(lines, lines, self.heights[np.ix_(index % n, index % n)])
         return profiles.Tiled(relief, self.tile)

@@ -29,9 +29,6 @@ PULP = 0.5
 BONE = 0.47
 """Soft tissue between first touch (30 degree plate) and bone, over the thickness of the finger."""
 
-SAME = 1e-6
-"""Relative difference of two sizes that is rounding."""
-
 LENGTH = Key(unit="mm", above=0)
 Length = Annotated[float, LENGTH]
 
@@ -335,7 +332,8 @@ def other_size(finger: Finger) -> tuple[str, ...]:
     except InputError:
         return ()
     sizes = ((fitted.width, finger.width), (fitted.thickness, finger.thickness))
-    if all(was is None or math.isclose(was, now, rel_tol=SAME) for was, now in sizes):
+    same = 1e-6  # relative difference of two sizes that is rounding
+    if all(was is None or math.isclose(was, now, rel_tol=same) for was, now in sizes):
         return ()
     words = zip(sizes, ("wide", "thick"), strict=True)
     was = " and ".join(f"{each:g} mm {word}" for (each, _), word in words if each is not None)

@@ -50,9 +50,6 @@ PLACING = {
 FLANK_SAMPLES = 10
 """Samples of a flank."""
 
-MOST = 10_000_000
-"""Largest number of samples of a surface, which takes some seconds and 1 GB."""
-
 FINEST = 0.02
 """Least distance in mm of samples: 10 million of them cover 60 x 60 mm."""
 
@@ -409,9 +406,11 @@ class Raised(Indenter):
     def _check_samples(self, field: str, value: object, sides: tuple[float, float]) -> None:
         """Raise InputError for a surface with `sides` mm that takes too many samples."""
         count = float(np.prod([side / self.pitch for side in sides]))
-        if count > MOST:
+        # Largest number of samples of a surface, which takes some seconds and 1 GB.
+        most = 10_000_000
+        if count > most:
             raise InputError(
-                f"indenter.{field}: expected a surface of at most {MOST:.0e} samples, received "
+                f"indenter.{field}: expected a surface of at most {most:.0e} samples, received "
                 f"{value!r}, whose {sides[0]:.3g} x {sides[1]:.3g} mm take {count:.1e} of them, "
                 f"{self.pitch:.2g} mm apart; take a smaller one, or a rounder edge"
             )

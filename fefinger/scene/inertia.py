@@ -24,13 +24,6 @@ DENSITY = 1e-6
 """Density of soft tissue in kg/mm³, that of water."""
 
 
-FAST = 0.22
-"""Limit of indenter speed over shear wave speed: 0.22² is an error of 5 %."""
-
-QUICK = 0.05
-"""Limit of frequency x thickness / shear wave speed: 1 / cos(2 pi 0.05) - 1 is 5 %."""
-
-
 def wave_speed(finger: Finger, frequency: float = 0.0) -> float:
     """Return the speed in mm/s of shear waves of a frequency in Hz in subcutaneous tissue.
 
@@ -169,16 +162,18 @@ def quasistatic(scene: Scene, time: Array, depth: Array) -> tuple[str, ...]:
     across = None if smooth else motion.path_frequency
     frequency = max(motion.highest_frequency or 0.0, across or 0.0)
     exceeded = []
-    if speed > FAST * wave:
+    fast = 0.22  # limit of indenter speed over shear wave speed: 0.22² is an error of 5 %
+    if speed > fast * wave:
         exceeded.append(
             f"speed / wave speed = {1e-3 * speed:.3g} / {1e-3 * wave:.3g} m/s = "
-            f"{speed / wave:.2g} > {FAST:g}"
+            f"{speed / wave:.2g} > {fast:g}"
         )
     thick, stiffer = frequency * scene.finger.pulp, wave_speed(scene.finger, frequency)
-    if thick > QUICK * stiffer:
+    quick = 0.05  # limit of frequency x thickness / shear wave speed: 1 / cos(2 pi 0.05) - 1 is 5 %
+    if thick > quick * stiffer:
         exceeded.append(
             f"frequency x thickness / wave speed = {frequency:.4g} Hz x {scene.finger.pulp:.3g} mm "
-            f"/ {1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {QUICK:g}"
+            f"/ {1e-3 * stiffer:.3g} m/s = {thick / stiffer:.2g} > {quick:g}"
         )
     if not exceeded:
         return ()

@@ -97,9 +97,6 @@ VISCOUS = "_viscous"
 VISCOUS_FROM = 1480 / (2 * math.pi * 1.78)
 """Hz at which fingertips lose as much as they store: 132, that of 1.48 N/mm and 1.78 N s/m."""
 
-FASTEST = 6283.0
-"""Rate in 1/s of the branch that models that loss: 1 kHz, beyond the measured band."""
-
 
 def _viscous(name: str) -> TissueSet:
     """Tissue set `name` with a relaxation that extends to a kHz (confidence low).
@@ -117,14 +114,16 @@ def _viscous(name: str) -> TissueSet:
     base = TISSUE_SETS[name]()
     slow = base.prony or pawluk1997.relaxation()[MEANS]
     # Below its rate a branch is a damper, of weight / rate; before it the stiffness is the sum.
-    fast = FASTEST / (2 * math.pi * VISCOUS_FROM)
+    # Rate in 1/s of the branch that models the viscous loss: 1 kHz, beyond the measured band.
+    fastest = 6283.0
+    fast = fastest / (2 * math.pi * VISCOUS_FROM)
     weights = (*slow.weights, fast)
     total = math.fsum(weights)
     return replace(
         base,
         source=f"{base.source}; Wiertlewski and Hayward (2012) above 40 Hz",
         confidence="low",
-        prony=Prony(tuple(weight / total for weight in weights), (*slow.v, FASTEST)),
+        prony=Prony(tuple(weight / total for weight in weights), (*slow.v, fastest)),
     )
 
 

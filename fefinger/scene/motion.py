@@ -24,9 +24,6 @@ from fefinger.support.vocabulary import Control
 LONGEST = 1e9
 """Longest time in s that a motion may hold or last: thirty years."""
 
-SAME = 1e-12
-"""Part of the duration by which times of two trajectories are the same but for rounding."""
-
 SECONDS: dict[str, Any] = {"unit": "s", "at_least": 0, "at_most": LONGEST}
 
 KEYS = {
@@ -260,7 +257,9 @@ class Motion(ABC):
     def breakpoints(self) -> tuple[float, ...]:
         """Times in s at which a derivative jumps, the start and the end among them."""
         every = sorted(t for each in (self.trajectory, *self.paths) for t in each.breakpoints)
-        apart = np.diff(every, prepend=-np.inf) > (SAME if self.paths else 0.0) * self.duration
+        # Part of the duration by which times of two trajectories are the same but for rounding.
+        same = 1e-12
+        apart = np.diff(every, prepend=-np.inf) > (same if self.paths else 0.0) * self.duration
         return tuple(np.array(every)[apart].tolist())
 
     @property

@@ -28,9 +28,6 @@ AS_LONG_AS_FITS: Any = None
 SWEEP_FREQUENCIES = 200
 """Frequencies at which a sweep is answered in closed form."""
 
-MOST_CYCLES = 1_000_000
-"""Largest number of cycles of a vibration; far fewer have the time steps that memory holds."""
-
 APPROACH = 10.0
 """Speed in mm/s, or rate in N/s, with which a vibrating probe takes its preload; it has left no
 trace when the vibration begins."""
@@ -281,9 +278,11 @@ class Vibration(Vibrating):
     def n_cycles(self) -> int:
         """Number of cycles: whole ones, nearest to `seconds`."""
         cycles = self.seconds * self.frequency
-        if cycles > MOST_CYCLES:
+        # Largest number of cycles of a vibration; far fewer have the time steps that memory holds.
+        most_cycles = 1_000_000
+        if cycles > most_cycles:
             raise InputError(
-                f"motion.frequency: expected at most {MOST_CYCLES:g} cycles in motion.seconds, "
+                f"motion.frequency: expected at most {most_cycles:g} cycles in motion.seconds, "
                 f"received {self.frequency:g} Hz for {self.seconds:g} s"
             )
         return max(1, round(cycles))

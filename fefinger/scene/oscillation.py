@@ -8,21 +8,8 @@ from fefinger.support.arrays import Array
 FEWEST_SAMPLES = 64
 """Samples from which on a motion has a spectrum."""
 
-NEGLECTED_POWER = 1e-2
-"""Share of the power of the speed beyond the highest frequency of samples."""
-
-FEWEST_TURNS = 3
-"""Changes of sign about the mean from which on a motion vibrates: those of two cycles."""
-
-LONGEST_TURN = 2.0
-"""Cycles of a frequency between two of them from which on a motion does not vibrate with it."""
-
 SAMPLED = 10.0
 """Samples per cycle below which straight lines between them change the force by more than 2 %."""
-
-ABOVE = 20.0
-"""Power over that of white noise from which on a frequency is more than noise, which reaches it at
-one in half a billion frequencies."""
 
 FAINT = 0.01
 """Amplitude over the peak below which a vibration of few samples is noise of a record."""
@@ -30,13 +17,6 @@ FAINT = 0.01
 BROAD = 0.1
 """Amplitude over the peak below which a force may be noise of its sensor, which has some percent
 under a light touch."""
-
-AT_START = 0.25
-"""Median of a vibration in its first cycles over its size, from which on it is there from the
-start: that of noise is 0.67, or 0.45 of noise about 0 whose values below are set to 0."""
-
-FIRST_CYCLES = 4
-"""Number of these cycles."""
 
 
 def to_and_fro(time: Array, values: Array, *, white: bool = True) -> float | None:
@@ -51,9 +31,14 @@ def to_and_fro(time: Array, values: Array, *, white: bool = True) -> float | Non
     power = np.abs(np.fft.rfft(speed)) ** 2
     if white:
         spectrum = _spectrum(values)
-        power[spectrum < ABOVE * _floor(spectrum)] = 0.0
+        # Power over that of white noise from which on a frequency is more than noise, which reaches
+        # it at one in half a billion frequencies.
+        above = 20.0
+        power[spectrum < above * _floor(spectrum)] = 0.0
     power = np.cumsum(power)
-    place = int(np.searchsorted(power, (1 - NEGLECTED_POWER) * power[-1]))
+    # Share of the power of the speed beyond the highest frequency of samples.
+    neglected_power = 1e-2
+    place = int(np.searchsorted(power, (1 - neglected_power) * power[-1]))
     frequency = float(np.fft.rfftfreq(len(speed), step)[place])
     while frequency * time[-1] >= 1:
         if _alternates(about_mean(values, 1 / (frequency * step)), frequency * step):
@@ -75,9 +60,13 @@ def noise(vibrating: Array, per_cycle: float, peak: float, broad: float = FAINT)
     """
     size = float(np.sqrt(np.mean(vibrating**2)))
     # The mean over two cycles is not that of a ramp before the second one.
-    begin, count = int(per_cycle) + 1, max(int(FIRST_CYCLES * per_cycle), FEWEST_SAMPLES // 4)
+    first_cycles = 4  # number of cycles that tell how a vibration starts
+    begin, count = int(per_cycle) + 1, max(int(first_cycles * per_cycle), FEWEST_SAMPLES // 4)
     first = np.abs(vibrating[begin : begin + count])
-    from_start = first.size > 0 and float(np.median(first)) > AT_START * size
+    # Median of a vibration in its first cycles over its size, from which on it is there from the
+    # start: that of noise is 0.67, or 0.45 of noise about 0 whose values below are set to 0.
+    at_start = 0.25
+    from_start = first.size > 0 and float(np.median(first)) > at_start * size
     part = np.sqrt(2) * size / peak
     if part < FAINT:
         return size if per_cycle < SAMPLED or from_start else 0.0
@@ -127,4 +116,8 @@ def _alternates(vibrating: Array, cycles: float) -> bool:
     vibrating = _mean(vibrating, int(0.125 / cycles))
     strong = np.flatnonzero(np.abs(vibrating) > np.sqrt(np.mean(vibrating**2)) / 2)
     turns = strong[1:][np.diff(np.sign(vibrating[strong])) != 0]
-    return len(turns) >= FEWEST_TURNS and bool(np.median(np.diff(turns)) * cycles < LONGEST_TURN)
+    # Changes of sign about the mean from which on a motion vibrates: those of two cycles.
+    fewest_turns = 3
+    # Cycles of a frequency between two changes from which on a motion does not vibrate with it.
+    longest_turn = 2.0
+    return len(turns) >= fewest_turns and bool(np.median(np.diff(turns)) * cycles < longest_turn)

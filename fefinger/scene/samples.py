@@ -30,24 +30,8 @@ from fefinger.support.vocabulary import Control
 from fefinger.theory.lumped.ramp_hold import free_samples
 
 
-UNEVEN = 1e-3
-"""Relative difference of the times between samples that counts as none."""
-
 GAP = 5.0
 """Distance of two samples over the median from which on samples are missing between them."""
-
-MOST_EVEN = 2**20
-"""Largest number of even samples that the spectrum of uneven ones is taken from."""
-
-RELEASED = 0.25
-"""Largest force below 0 over the peak that counts as 0: after a release that of the swinging probe
-is up to a tenth, of a record with another sign all of it."""
-
-FEWEST_FREE = 5
-"""Readings before contact from which on their mean is known."""
-
-CERTAIN = 3.0
-"""Standard deviations of a mean from which on it is below 0."""
 
 WAVE_NEEDS = ("amplitude", "preload")
 """Fields that a WAV file needs: its full scale, and what it vibrates about."""
@@ -206,9 +190,12 @@ class SampledMotion(Motion):
         time = self._since
         values = self._course if column == self.control else np.array(getattr(self, column))
         steps = np.diff(time)
-        if self.sample_rate is None or np.ptp(steps) <= UNEVEN * steps.mean():
+        uneven = 1e-3  # relative difference of the times between samples that counts as none
+        if self.sample_rate is None or np.ptp(steps) <= uneven * steps.mean():
             return time, values
-        count = min(MOST_EVEN, 1 + round(time[-1] * self.sample_rate))
+        # Largest number of even samples that the spectrum of uneven ones is taken from.
+        most_even = 2**20
+        count = min(most_even, 1 + round(time[-1] * self.sample_rate))
         even = np.linspace(0.0, time[-1], count)
         return even, np.interp(even, time, values)
 
@@ -273,11 +260,14 @@ class SampledMotion(Motion):
                 f"motion.{self.control}: expected a value above 0, received at most "
                 f"{high:g}; so the indenter never touches the finger"
             )
-        if self.by_force and self.pulling > RELEASED * high:
+        # Largest force below 0 over the peak that counts as 0: after a release that of the swinging
+        # probe is up to a tenth, of a record with another sign all of it.
+        released = 0.25
+        if self.by_force and self.pulling > released * high:
             raise InputError(
                 f"motion.force: expected forces of at least 0 N, as a contact cannot pull, "
                 f"received {low:g} to {high:g} N; change the sign if forces grow downward, or cut "
-                f"off what is not the press. Down to {-100 * RELEASED:g} % of the peak values "
+                f"off what is not the press. Down to {-100 * released:g} % of the peak values "
                 "count as 0"
             )
 
@@ -380,10 +370,12 @@ class Sampled(SampledMotion):
 def _rest(values: Array) -> float:
     """Return the mean of readings (n,) before contact; 0 if it is none for certain."""
     free = free_samples(values)
-    if not FEWEST_FREE <= free < len(values):
+    fewest_free = 5  # readings before contact from which on their mean is known
+    if not fewest_free <= free < len(values):
         return 0.0
     mean, scatter = float(values[:free].mean()), float(values[:free].std())
-    return mean if abs(mean) > CERTAIN * scatter / np.sqrt(free) else 0.0
+    certain = 3.0  # standard deviations of a mean from which on it is below 0
+    return mean if abs(mean) > certain * scatter / np.sqrt(free) else 0.0
 
 
 def _upside_down(first: float, low: float, high: float) -> bool:

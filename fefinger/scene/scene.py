@@ -25,9 +25,6 @@ PACKAGE, SCRIPT = "fefinger.", "__main__"
 """Of modules: the start of those of this package, and a script or notebook, which has no name that
 another process could load."""
 
-SHORT = 0.1
-"""Distance in mm of a slide below which a shorter one is not suggested."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
@@ -134,7 +131,8 @@ class Scene:
         distance = getattr(self.motion, "distance", 0.0) * shorter
         # Rounded down, so that what the message names is accepted.
         at_most = f" (motion.distance at most {np.floor(100 * distance + 1e-6) / 100:g})"
-        path = "a shorter path" + (at_most if distance >= SHORT else "")
+        short = 0.1  # distance in mm of a slide below which a shorter one is not suggested
+        path = "a shorter path" + (at_most if distance >= short else "")
         for name, range_, place in zip("xy", extent, places, strict=True):
             low, high = float(place.min()), float(place.max())
             if low < range_[0] or high > range_[1]:

@@ -18,12 +18,6 @@ from fefinger.support.checks import InputError
 
 Extent = tuple[tuple[float, float], tuple[float, float]]
 
-MARGIN = 15.0
-"""mm of bare plate around a text: a pad is no wider."""
-
-LARGEST_TEXT = 60
-"""Largest number of characters of a text."""
-
 ROUNDING, TAIL = 0.3, 3.0
 """Standard deviation, over the flank, of the mean that rounds the corners of outlines, and where
 it is cut off."""
@@ -74,9 +68,10 @@ class Text(Raised):
     def __post_init__(self) -> None:
         """Check the length of the text."""
         super().__post_init__()
-        if not self.text.strip() or len(self.text) > LARGEST_TEXT:
+        largest_text = 60  # largest number of characters of a text
+        if not self.text.strip() or len(self.text) > largest_text:
             raise InputError(
-                f"indenter.text: expected 1 to {LARGEST_TEXT} characters that are not all blank, "
+                f"indenter.text: expected 1 to {largest_text} characters that are not all blank, "
                 f"received {self.text!r}"
             )
 
@@ -93,8 +88,9 @@ class Text(Raised):
     def extent(self) -> Extent:
         """Ranges in mm of x and y that the plate under the text covers."""
         length, height = self.box
-        across = height / 2 + MARGIN
-        return (self.start - MARGIN, self.start + length + MARGIN), (-across, across)
+        margin = 15.0  # mm of bare plate around a text: a pad is no wider
+        across = height / 2 + margin
+        return (self.start - margin, self.start + length + margin), (-across, across)
 
     @cached_property
     def profile(self) -> profiles.Relief:

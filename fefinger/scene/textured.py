@@ -26,9 +26,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, boolean, number, set_number
 
 
-TALLEST = 20.0
-"""Largest difference in mm of the heights of a relief: no finger bends around more."""
-
 SAMPLES = 4
 """Least number of samples of a relief in x and in y: as many as a cubic needs."""
 
@@ -353,9 +350,11 @@ def _check_heights(field: str, values: Array, where: str = "") -> None:
             f"{field}: expected at least {SAMPLES} by {SAMPLES} heights{where}, received "
             f"{values.shape[0]} by {values.shape[1]}"
         )
-    if float(np.ptp(values)) > TALLEST:
+    # Largest difference in mm of the heights of a relief: no finger bends around more.
+    tallest = 20.0
+    if float(np.ptp(values)) > tallest:
         raise InputError(
-            f"{field}: expected heights in mm that differ by at most {TALLEST:g} mm, received "
+            f"{field}: expected heights in mm that differ by at most {tallest:g} mm, received "
             f"{values.min():g} to {values.max():g}; convert them if they are in um, or cut off "
             "what lies deeper than the finger reaches"
         )

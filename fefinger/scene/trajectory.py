@@ -21,9 +21,6 @@ _SHORTEST = 1024 * float(np.finfo(float).eps)
 """Length of a segment in motion over the time at its end, below which too few digits of the length
 are left: their rounding changes the slope by a thousandth."""
 
-_FASTEST = 1e100
-"""Largest slope and bend, whose squares are still numbers."""
-
 
 @dataclass(frozen=True, eq=False)
 class Wave:
@@ -262,14 +259,15 @@ class Trajectory:
 
 def _check_pace(steepest: float, corner: float) -> None:
     """Raise InputError for a slope per s, or a corner in s, whose squares are no numbers."""
-    if not steepest <= _FASTEST:
+    fastest = 1e100  # largest slope and bend, whose squares are still numbers
+    if not steepest <= fastest:
         raise InputError(
-            f"motion: expected a speed of at most {_FASTEST:g} per s, received {steepest:.3g}; "
+            f"motion: expected a speed of at most {fastest:g} per s, received {steepest:.3g}; "
             "check whether times are in s"
         )
-    if 0 < corner < steepest / _FASTEST:
+    if 0 < corner < steepest / fastest:
         raise InputError(
-            f"motion.corner: expected at least {steepest / _FASTEST:.3g} s, or 0 for sharp ones, "
+            f"motion.corner: expected at least {steepest / fastest:.3g} s, or 0 for sharp ones, "
             f"received {corner:g}"
         )
 

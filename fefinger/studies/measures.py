@@ -45,9 +45,6 @@ from fefinger.theory.relaxation import hereditary_integral
 LEVEL = 4.0
 """Pressure in kPa whose isobar bounds the contact: the lowest in Figure 3-3 of Pawluk (1997)."""
 
-ROUNDING = 1e-9
-"""Shift in mm, asymmetry or ellipticity below which a value is rounding, and set to 0."""
-
 VIBRATES = Slope(float("nan"), 0, "none: the motion vibrates, see dynamic_stiffness_N_per_mm")
 """Stiffness in a vibration, where loading and unloading alternate."""
 
@@ -204,7 +201,9 @@ def _first_touch(result: Result) -> tuple[Array, Array, FirstTouch | None] | Non
 
 
 def _without_rounding(value: float) -> float:
-    return 0.0 if abs(value) < ROUNDING else value
+    # Shift in mm, asymmetry or ellipticity below which a value is rounding, and set to 0.
+    rounding = 1e-9
+    return 0.0 if abs(value) < rounding else value
 
 
 def _shape(view: PlaneView, where: float) -> Row:

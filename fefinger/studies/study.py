@@ -214,9 +214,6 @@ def _answers(
     return answers, reused
 
 
-MOST = 400
-"""Largest number of scenes that are planned to choose a mechanics; of more, a sample is planned."""
-
 TURNING = "indenter.angle", "indenter.tilt", "indenter.at"
 """Fields that change the place of contact on the pad."""
 
@@ -264,7 +261,9 @@ def agreed(
 
 def _choice(tasks: Mapping[int, Task], over: Collection[str]) -> Choice:
     """Choose the mechanics and mesh of tasks over a grid of fields, see `agreed`."""
-    sample = list(tasks.values())[:: -(-len(tasks) // MOST)]
+    # Largest number of scenes that are planned to choose a mechanics; of more, a sample is planned.
+    most = 400
+    sample = list(tasks.values())[:: -(-len(tasks) // most)]
     scenes = [Scene.from_dict(task["scene"]) for task in sample]
     named = sample[0]["mechanics"]
     if named is None:

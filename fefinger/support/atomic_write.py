@@ -155,9 +155,6 @@ def remove_folder(path: Path) -> None:
             return
 
 
-MANY = 1000
-"""Values from which on an array is compressed."""
-
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 """How. Higher levels take three times as long for a tenth less."""
 
@@ -172,8 +169,9 @@ def netcdf(labeled: "xr.Dataset") -> bytes:
     from xarray.backends import H5NetCDFStore
 
     encoding: dict[object, dict[str, object]] = {}
+    many = 1000  # values from which on an array is compressed
     for name, variable in labeled.variables.items():
-        packed = PACKED if variable.size >= MANY and variable.dtype.kind in "iuf" else {}
+        packed = PACKED if variable.size >= many and variable.dtype.kind in "iuf" else {}
         encoding[name] = {"_FillValue": None, **packed}
     buffer = BytesIO()
     with h5netcdf.File(buffer, "w") as file:

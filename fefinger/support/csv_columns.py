@@ -35,9 +35,6 @@ FACTORS = {
 }
 """By unit, the sizes in it of the units that a header may state, in small letters."""
 
-SHOWN = 60
-"""Characters of the first line of a file that a message quotes."""
-
 SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 """Names of wrong separators in messages."""
 
@@ -242,4 +239,5 @@ def read_columns(
 def shortened(header: Sequence[str]) -> str:
     """Quote a header, or the beginning of a long one."""
     line = ",".join(header)
-    return repr(line) if len(line) <= SHOWN else f"{line[:SHOWN]!r} ..."
+    shown = 60  # characters of the first line of a file that a message quotes
+    return repr(line) if len(line) <= shown else f"{line[:shown]!r} ..."

@@ -21,9 +21,6 @@ from typing import Final
 INTERRUPTED: Final = 130  # 128 + SIGINT, as shells have it
 MESSAGE: Final = "interrupted; nothing was left half-written"
 
-PATIENCE: Final = 5.0
-"""Seconds that the watcher waits for files that are being moved into place."""
-
 NAMES: Final = {"SIGINT": MESSAGE, "SIGTERM": "terminated; nothing was left half-written"}
 """Signals that end the process, with the message; after SIGHUP there is no terminal to read one."""
 
@@ -133,7 +130,8 @@ def _signals() -> set[signal.Signals]:
 
 def _end(number: int, messages: dict[str, str]) -> None:
     """Clean up, print the message of the signal and exit with status 128 + number."""
-    _lock.acquire(timeout=PATIENCE)  # and never released: no other thread registers or moves
+    patience = 5.0  # seconds that the watcher waits for files that are being moved into place
+    _lock.acquire(timeout=patience)  # and never released: no other thread registers or moves
     screen = _silence()
     for action in reversed(tuple(_actions.values())):
         with suppress(Exception):

@@ -27,14 +27,8 @@ STYLES = (
 )
 """Separators, None for spaces, and decimal signs of a text."""
 
-LOOKED = 200
-"""Lines at the end of a text by which its style is told."""
-
 PEEKED = 1 << 18
 """Bytes at the beginning and at the end of a long text by which it is told."""
-
-LARGEST = 1e9
-"""Bytes of a file that is read."""
 
 RATES = ("fs", "rate", "sampling_rate", "sample_rate", "sampling_frequency", "samplerate")
 STEPS = ("dt", "delta_t", "sampling_interval", "sample_time")
@@ -63,9 +57,10 @@ def read(field: str, file: str | Path) -> Recording:
     """
     path = Path(file)
     check_input(field, path, "a file of a record, such as CSV")
-    if path.stat().st_size > LARGEST:
+    largest = 1e9  # bytes of a file that is read
+    if path.stat().st_size > largest:
         size = path.stat().st_size / 1e6
-        msg = f"{field}: expected a file of at most {LARGEST / 1e6:g} MB, received {size:.4g} MB"
+        msg = f"{field}: expected a file of at most {largest / 1e6:g} MB, received {size:.4g} MB"
         raise InputError(f"{msg}; cut out the part that matters")
     kind = path.suffix.lower()
     if kind == ".mat":
@@ -158,8 +153,9 @@ def _is_row(cells: Sequence[str], decimal: str) -> bool:
 
 def _style(lines: Text) -> tuple[str | None, str] | None:
     """Return the separator and the decimal sign in which most of the last lines are numbers."""
+    looked = 200  # lines at the end of a text by which its style is told
     counts = [
-        sum(_is_row(_cells(line, separator), decimal) for _, line in lines[-LOOKED:])
+        sum(_is_row(_cells(line, separator), decimal) for _, line in lines[-looked:])
         for separator, decimal in STYLES
     ]
     return STYLES[int(np.argmax(counts))] if max(counts) else None

@@ -15,9 +15,6 @@ from fefinger.support.arrays import Array
 NEWTON_PER_MILLINEWTON = 1e-3
 """Conversion of forces inside the package, kPa mm² = mN, to reported forces in N."""
 
-RECORDED = 64
-"""Number of samples from which on times are taken to be of a recorder, not written by hand."""
-
 SLOW = 0.5
 """Interval in s between samples of a recorder from which on their times may be in ms."""
 
@@ -80,7 +77,9 @@ FINGER = Likely("size", "mm", 1.0, 1e5, (("m", 0.0, 0.1), ("cm", 0.1, 1.0)))
 
 def in_milliseconds(time: Array) -> bool:
     """Return whether times (n,) are likely in ms, not s: many samples, too far apart."""
-    return len(time) >= RECORDED and float(np.median(np.diff(time))) >= SLOW
+    # Number of samples from which on times are taken to be of a recorder, not written by hand.
+    recorded = 64
+    return len(time) >= recorded and float(np.median(np.diff(time))) >= SLOW
 
 
 def seconds_or_milliseconds(

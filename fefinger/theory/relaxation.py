@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 SUM_LIMITS = (0.98, 1.02)
 """Range of sums of weights that are normalized: published weights are rounded to two digits."""
 
-_ROUNDING = 1e-9  # of a sum of weights at a limit
-
 
 def _numbers(name: str, values: Iterable[float]) -> tuple[float, ...]:
     """Check a list of finite numbers and convert it to a tuple of floats."""
@@ -69,7 +67,8 @@ class Prony:
         if self.v and min(self.v) <= 0:
             raise ValueError(f"prony.v: expected rates above 0 1/s, received {list(self.v)}")
         low, high = SUM_LIMITS
-        if not low - _ROUNDING <= math.fsum(self.c) <= high + _ROUNDING:
+        rounding = 1e-9  # of a sum of weights at a limit
+        if not low - rounding <= math.fsum(self.c) <= high + rounding:
             raise ValueError(
                 f"prony.c: expected weights that sum to {low} to {high}, received a sum of "
                 f"{math.fsum(self.c):.4g}; if they are relative weights, divide them by their sum"

@@ -21,7 +21,6 @@ from fefinger.view.surfaces import Piece
 
 
 MOST = 3  # differences in a title
-LONG = 24  # letters of a value in a title
 SHOWN = ("indenter.", "motion.", "finger.")  # the outputs of a scene do not change its picture
 SUBJECT = "finger.subject"
 SIZES = ("finger.width", "finger.thickness", "finger.pad_radius")  # set by the subject
@@ -199,11 +198,12 @@ def titles(
 
 
 def _differences(table: Mapping[str, object], varied: Sequence[str]) -> Iterator[str]:
+    long = 24  # letters of a value in a title
     for key in varied[:MOST]:
         value = table.get(key, "none")
         text = f"{value:g}" if isinstance(value, float) else str(value)
         if not isinstance(value, str):
             text = f"{text} {split(column(key, str(table['motion.kind'])))[1]}".strip()
-        yield f"{key} {text}" if len(text) <= LONG else f"another {key}"
+        yield f"{key} {text}" if len(text) <= long else f"another {key}"
     if len(varied) > MOST:
         yield f"{len(varied) - MOST} more"

@@ -56,7 +56,6 @@ STYLE: Any = {
     "svg.fonttype": "none",
 }
 WIDE = 9.2  # inches: the width of a figure that fills the report
-POINTS = 72  # units of an SVG per inch, for its layout
 SHORT = 0.25  # s: shorter spans are labeled in ms
 
 
@@ -108,7 +107,8 @@ def svg(drawn: "Figure") -> str:
     buffer = io.StringIO()
     with style():
         canvas = FigureCanvasSVG(drawn)
-        drawn.set_dpi(POINTS)
+        points = 72  # units of an SVG per inch, for its layout
+        drawn.set_dpi(points)
         if (layout := drawn.get_layout_engine()) is not None:
             layout.execute(drawn)
         drawn.set_layout_engine("none")

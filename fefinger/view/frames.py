@@ -15,9 +15,6 @@ from fefinger.support.checks import InputError, number
 from fefinger.view import quantities
 
 
-SNAP = 1e-3  # distance over edge length below which a section vertex is moved to a mesh point
-
-
 def is_half(points: Array) -> bool:
     """Whether only y >= 0 is meshed."""
     return bool(points[:, 1].min() >= -1e-9 * np.ptp(points))
@@ -77,8 +74,9 @@ def cut(points: Array, cells: Integers, region: NDArray[np.int8]) -> Cut:
     y = points[every][:, :, 1]
     weight = (level - y[:, 0]) / (y[:, 1] - y[:, 0])
     # A vertex next to a mesh point becomes that point: slivers would show as scratches.
-    every[weight < SNAP, 1] = every[weight < SNAP, 0]
-    every[weight > 1 - SNAP, 0] = every[weight > 1 - SNAP, 1]
+    snap = 1e-3  # distance over edge length below which a section vertex is moved to a mesh point
+    every[weight < snap, 1] = every[weight < snap, 0]
+    every[weight > 1 - snap, 0] = every[weight > 1 - snap, 1]
     edges, first, vertex = np.unique(every, axis=0, return_index=True, return_inverse=True)
     triangles = vertex.reshape(-1, 3)
     proper = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)

@@ -14,9 +14,6 @@ from fefinger.support.arrays import Array
 from fefinger.view.frames import whole
 
 
-NEXT_TO = 1.0
-"""Distance in mm from the next vertex of the pad from which on a place is beside it."""
-
 SAMPLES, STEPS = 1201, 8  # points of an outline; iterations of its places in the medial plane
 
 
@@ -148,7 +145,9 @@ def _first(result: ResultRecord, depth: float) -> Pose:
         away = np.sum((pad.points[:, :2] - at) ** 2, axis=1) + palmar
         here = int(np.argmin(away))
         origin, axis = pad.points[here], -pad.normals[here]
-        if away[here] > NEXT_TO**2:  # beside the pad: it moves along z
+        # Distance in mm from the next vertex of the pad from which on a place is beside it.
+        next_to = 1.0
+        if away[here] > next_to**2:  # beside the pad: it moves along z
             axis = np.array([0.0, 0.0, 1.0])
             across = (pad.points - [*at, 0.0]) @ frame(axis, indenter.turn)[:2].T
             origin = np.array([*at, (pad.points[:, 2] + indenter.profile.rise(across)).min()])

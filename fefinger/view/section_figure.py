@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MARGIN = 1.2  # mm about the section
 CLOSE = 3.5  # mm: half the width of the close view
 LEADER = {"arrowstyle": "-", "color": figures.INK, "linewidth": 0.8, "relpos": (0.0, 0.5),
           "shrinkA": 0.0}  # fmt: skip
@@ -45,7 +44,8 @@ def draw(
     with figures.style():
         drawn = figures.figure(figures.WIDE, 4.4)
         whole, close = drawn.subplots(1, 2, width_ratios=[1.35, 1.0])
-        low, high = cut.places.min(axis=0) - MARGIN, cut.places.max(axis=0) + MARGIN
+        margin = 1.2  # mm about the section
+        low, high = cut.places.min(axis=0) - margin, cut.places.max(axis=0) + margin
         for axis in (whole, close):
             _draw_section(axis, cut)
             axis.set(aspect="equal", xlabel="x (distal) / mm", ylabel="z (dorsal) / mm")

@@ -33,10 +33,6 @@ if TYPE_CHECKING:
     from fefinger.neural.trains import SpikeTrains
 
 
-LEAST = 0.02
-"""Share of the highest pressure from which on the pad is drawn as pressed."""
-
-BEYOND = 1.0  # mm of the object shown beyond the spikes
 PLACE_BIN = 0.5  # mm of a rate along the object
 LINES = 5  # scan lines with curves of their own
 
@@ -82,9 +78,10 @@ def rate_map(result: ResultRecord) -> "Figure":
     kinds, rates = of_each(trains.types), mean_rates(trains)
     across = seen = trains.positions[:, :2]
     pressure = None
+    least = 0.02  # share of the highest pressure from which on the pad is drawn as pressed
     if result.pad is not None and result.pressure is not None:
         pressure = result.pressure[result.peak]
-        pressed = result.pad.points[pressure > LEAST * pressure.max(), :2]
+        pressed = result.pad.points[pressure > least * pressure.max(), :2]
         seen = np.concatenate([across, pressed])
     low, high = seen.min(axis=0) - 0.8, seen.max(axis=0) + 0.8
     with style():
@@ -92,7 +89,7 @@ def rate_map(result: ResultRecord) -> "Figure":
         axes = drawn.subplots(1, len(kinds), sharey=True, squeeze=False)[0]
         for axis, (kind, which) in zip(axes, kinds.items(), strict=True):
             if result.pad is not None and pressure is not None and pressure.max() > 0:
-                levels = np.linspace(LEAST, 1.0, 6) * pressure.max()
+                levels = np.linspace(least, 1.0, 6) * pressure.max()
                 corners = *result.pad.points[:, :2].T, palmar_triangles(result.pad)
                 axis.tricontourf(*corners, pressure, levels=levels, cmap="Greys", alpha=0.35)
             top = max(float(rates[which].max()), 1e-9)
@@ -169,8 +166,9 @@ def events(result: ResultRecord) -> "Figure":
     kinds = of_each(trains.types)
     start, path = over_object(result)
     moving = result.time >= trains.t_start
-    low = start.min(axis=0) + path[moving].min(axis=0) - BEYOND
-    high = start.max(axis=0) + path[moving].max(axis=0) + BEYOND
+    beyond = 1.0  # mm of the object shown beyond the spikes
+    low = start.min(axis=0) + path[moving].min(axis=0) - beyond
+    high = start.max(axis=0) + path[moving].max(axis=0) + beyond
     # Pixels of 0.1 mm of the object.
     x, y = (np.arange(low[k], high[k], 0.1) for k in (0, 1))
     heights = result.scene.indenter.profile.rise(np.stack(np.meshgrid(x, y), axis=-1))

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 
 SIZE, MORE = (1300, 900), 500  # pixels, and pixels of width of a further result
-BOX = 22  # pixels of a box
 ABOVE = (0.0, -0.12)  # shift of the finger, from -1 to 1 across and up, to make room for sliders
 SLIDER: dict[str, Any] = {
     "color": figures.INK,
@@ -102,15 +101,16 @@ class Controls:
         shape.SetTubeWidth(SLIDER["tube_width"])
         shape.SetSliderWidth(SLIDER["slider_width"])
         shape.SetTitleHeight(SLIDER["title_height"])
+        box = 22  # pixels of a box
         for row, part in enumerate(reversed(self.actors[0].parts)):
-            at = 20.0 + row * (BOX + 10)
+            at = 20.0 + row * (box + 10)
             self.plotter.add_checkbox_button_widget(
                 partial(self.toggle, part),  # type: ignore[arg-type]  # pyvista's decorator loses self
-                value=True, position=(14.0, at), size=BOX,
+                value=True, position=(14.0, at), size=box,
                 border_size=2, color_on="#0072B2", color_off="#dfe5ea", background_color="white",
             )  # fmt: skip
             self.plotter.add_text(
-                part, position=(14.0 + BOX + 10, at), font_size=10, color=figures.INK,
+                part, position=(14.0 + box + 10, at), font_size=10, color=figures.INK,
                 name=f"box {part}",
             )  # fmt: skip
 

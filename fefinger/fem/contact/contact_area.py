@@ -28,10 +28,7 @@ from fefinger.support.compiled import njit
 SIDES = np.array([[0, 1], [1, 2], [2, 0]])
 PLACES = np.linspace(0.0, 1.0, 33)  # positions along a side at which an edge is sought
 
-NEIGHBORS = 40  # nearest vertices from which a fit takes its points
 PLAUSIBLE = 1.2, 1.5  # ratios to the area of the vertices: the fit counts up to, nothing from here
-SHARP = 0.05  # least protrusion of an edge over the length of a side
-TURNED = 0.6  # share of the change of slope within half a side: 1 at an edge, 1/2 on an arc
 ROWS = 4096  # fits in one batch, so that the work arrays stay in cache
 SAME = 1e-9  # relative change of the gap below which the last area is reused
 
@@ -91,7 +88,8 @@ class CandidateSurface:
     def _near(self) -> Integers:
         """The neighbors (n, k) of the points, nearest first."""
         # A list of ranks, because a single rank 1 would drop a dimension.
-        ranks = np.arange(1, min(NEIGHBORS, len(self.points)) + 1)
+        neighbors = 40  # nearest vertices from which a fit takes its points
+        ranks = np.arange(1, min(neighbors, len(self.points)) + 1)
         return np.asarray(cKDTree(self.points).query(self.points, k=ranks)[1])
 
     @cached_property
@@ -143,7 +141,8 @@ class CandidateSurface:
         sides = self.triangles[new][:, SIDES]
         length = np.linalg.norm(np.diff(self.points[sides], axis=2)[:, :, 0], axis=2)
         distance, rise, walled = self._rises(sides, length)
-        edged[new] = (rise.max(axis=2) > SHARP * length) & (walled | _turned(distance, rise))
+        sharp = 0.05  # least protrusion of an edge over the length of a side
+        edged[new] = (rise.max(axis=2) > sharp * length) & (walled | _turned(distance, rise))
         places[new] = PLACES[rise.argmax(axis=2)]
         return places[chosen], edged[chosen]
 
@@ -237,7 +236,8 @@ def _turned(distance: Array, rise: Array) -> Flags:
     slope, quarter = np.diff(distance), len(PLACES) // 4
     ends = [np.clip(most + k, 0, slope.shape[-1] - 1) for k in (-quarter - 1, quarter)]
     before, after = (np.take_along_axis(slope, k[..., None], -1)[..., 0] for k in ends)
-    return np.asarray(after - before >= TURNED * (slope[..., -1] - slope[..., 0]))
+    turned = 0.6  # share of the change of slope within half a side: 1 at an edge, 1/2 on an arc
+    return np.asarray(after - before >= turned * (slope[..., -1] - slope[..., 0]))
 
 
 def _below_zero(phi: Array, corners: Array) -> tuple[Array, Array]:

@@ -17,7 +17,6 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 
 
-UNIT = 1e-6  # by which the length of an axis may differ from 1
 FAR = 1e3  # mm, the gap of a point that the obstacle is not ahead of, where it has to be finite
 
 
@@ -106,7 +105,8 @@ class OwnObstacle:
                 f"`axis` and a `gap(points)`, received {self.given!r}"
             )
         axis = np.asarray(self.given.axis, dtype=np.float64)
-        if axis.shape != (3,) or not abs(np.linalg.norm(axis) - 1.0) < UNIT:
+        unit = 1e-6  # by which the length of an axis may differ from 1
+        if axis.shape != (3,) or not abs(np.linalg.norm(axis) - 1.0) < unit:
             raise InputError(
                 f"indenter.axis: expected a unit vector (3,), received {self.given.axis!r}"
             )

@@ -22,10 +22,6 @@ from fefinger.geometry.profiles import Plane, frame
 from fefinger.support.arrays import Array, Flags, Integers
 
 
-STRIDE = 0.2
-"""mm of a path between the places at which the reach of a sliding object is taken."""
-
-
 @dataclass(frozen=True)
 class Swept:
     """All that an obstacle passes over on its way; a body with an `axis` and a `gap`.
@@ -68,7 +64,8 @@ def envelope(obstacle: Obstacle, path: Array, inclines: Array | None = None) -> 
     if obstacle.profile.level:
         return Obstacle(obstacle.axis, obstacle.origin, Plane())
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
-    chosen = np.searchsorted(length, np.append(np.arange(0.0, length[-1], STRIDE), length[-1]))
+    stride = 0.2  # mm of a path between the places at which the reach of a sliding object is taken
+    chosen = np.searchsorted(length, np.append(np.arange(0.0, length[-1], stride), length[-1]))
     return Swept(obstacle, np.unique(path[chosen], axis=0))
 
 

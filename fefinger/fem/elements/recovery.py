@@ -25,10 +25,8 @@ POWERS = np.array([p for p in product(range(4), repeat=3) if sum(p) <= 3])
 SLOPES = [int(np.flatnonzero((unit == POWERS).all(axis=1))[0]) for unit in np.eye(3, dtype=int)]
 """Indices of x, y and z among the monomials."""
 
-RINGS = 4  # largest number of rings of cells around the point
 PLENTY = 3  # nodes of a fit per monomial
 FADE = 1.5  # the weight is exp(-FADE (r / R)²), R the radius that encloses PLENTY of nodes
-RANK = 1e-6  # least ratio of the singular values of a fit
 
 
 def recovered_strain_at(
@@ -111,7 +109,8 @@ class _Around:
 def _rows(around: _Around, point: Array, host: Integers) -> sparse.csr_matrix:
     """Rows (9, n_unknowns) of one point, from the fewest rings of cells that determine the fit."""
     space, cells = around.space, around.hosts(point, host)
-    for _ in range(RINGS):
+    rings = 4  # largest number of rings of cells around the point
+    for _ in range(rings):
         cells = around.grown(cells)
         nodes, places, signs = around.places(cells)
         slopes = _slopes(places - point)
@@ -135,6 +134,7 @@ def _slopes(offsets: Array) -> Array | None:
     x, y, z = (offsets / reach).T[:, :, None] ** np.arange(4)
     monomials = x[:, POWERS[:, 0]] * y[:, POWERS[:, 1]] * z[:, POWERS[:, 2]] * weights[:, None]
     left, size, right = np.linalg.svd(monomials, full_matrices=False)
-    if size[-1] < RANK * size[0]:
+    rank = 1e-6  # least ratio of the singular values of a fit
+    if size[-1] < rank * size[0]:
         return None
     return np.asarray((right.T[SLOPES] / size) @ left.T * weights / reach)

@@ -12,9 +12,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 
 
-COMPRESSIBILITY = 0.1
-"""1 / K over 1 / mu in the cube of the Taylor test."""
-
 STEPS = (1e-3, 5e-4)
 """Lengths of the steps of the Taylor test, along displacements of .1 of the cube."""
 
@@ -42,7 +39,8 @@ def check_law(law: Law | str, **parameters: float) -> float:
     mesh = MeshTet.init_tensor(edge, edge, edge)
     cells = np.ascontiguousarray(mesh.t.T, dtype=np.int64)
     space = Space(np.ascontiguousarray(mesh.p.T), cells, np.ones(len(cells), dtype=np.int8))
-    body = continuum(space, {1: Material(1.0, COMPRESSIBILITY, chosen, values)})
+    compressibility = 0.1  # 1 / K over 1 / mu in the cube of the Taylor test
+    body = continuum(space, {1: Material(1.0, compressibility, chosen, values)})
     at, along = np.random.default_rng(0).uniform(-0.05, 0.05, (2, space.n_unknowns))
     start, slope = body.residual(at, body.at_rest)[0], body.tangent(at, body.at_rest) @ along
     left = [

@@ -13,7 +13,6 @@ from fefinger.support.checks import PRESS_LESS, ConvergenceError
 
 
 ASTRAY = 16  # iterations after which an error above 1 is accepted only while it falls
-FALLS = 4.0  # factor by which it must fall in ASTRAY / 2 iterations
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,8 @@ def stagnant(errors: list[float], stuck: int) -> bool:
     last = len(errors) - 1
     if last - int(np.argmin(errors)) > stuck:
         return True
-    return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / FALLS)
+    falls = 4.0  # factor by which the error must fall in ASTRAY / 2 iterations
+    return last > ASTRAY and errors[-1] > max(1.0, errors[last - ASTRAY // 2] / falls)
 
 
 def not_converged(tolerance: float, error: float, count: int) -> ConvergenceError:

@@ -27,8 +27,6 @@ SPLITS, PARTS = 3, 4
 Halves instead of quarters fail more often, and every failed attempt costs a full iteration.
 """
 
-FARTHEST = 2.0  # extrapolation of a step, over the step before it
-
 
 @dataclass(frozen=True)
 class Series:
@@ -185,6 +183,7 @@ class _PathSolver:
         if last == 0:
             ratio = 1.0 if value == self.value else 0.0
         else:
-            ratio = float(np.clip((value - self.value) / last, -FARTHEST, FARTHEST))
+            farthest = 2.0  # extrapolation of a step, over the step before it
+            ratio = float(np.clip((value - self.value) / last, -farthest, farthest))
         guess = self.previous.toward(self.state, 1.0 + ratio)
         return replace(guess, pressure=np.maximum(guess.pressure, 0.0))

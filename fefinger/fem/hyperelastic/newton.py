@@ -63,10 +63,8 @@ PATIENCE = 25  # iterations of one step before its factor is renewed
 STALLED = 5  # iterations without a smaller error before it is renewed sooner
 STUCK = 2 * PATIENCE  # iterations without a smaller error before the step is given up
 FEW = 3  # iterations of a step with a good factor
-RENEWAL = 30  # sum over steps of (iterations beyond FEW)² that justifies a new factor
 SEARCH = 8  # factors of one step under depth control; beyond, blended tangents cost less
 SOON = 3  # iterations with a factor before the fold stiffness may renew it
-MEMORY = 12  # iterates of the Anderson acceleration
 RETREATS = 8  # halvings of an iteration that inverted a cell
 
 # The contact in a factor. STIFF is the change of the fold stiffness that a factor tolerates, in
@@ -75,20 +73,15 @@ RETREATS = 8  # halvings of an iteration that inverted a cell
 STIFF = 3.0
 NEAR = 0.1  # gap over depth below which a vertex takes part in the complementarity problem
 SUPPORTS = 4.0, 32.0, 256.0  # stiffness under the contact, in shear modulus / size of the patch
-SAME_DRAG = 1e-9  # change of the coefficient of friction that needs no other columns
 
 # The iteration with blended tangents (`_globalized`): the shares of the blend, its steps, and when
 # it ends. Tuned on bodies that buckle; only steps on which `_search` fails need it.
 DESCENT = 100  # iterations
-HOLD = 2  # iterations with one share of the definite tangent
 STRIDE = 4.0  # factor between successive shares
 LEAST = 1 / 256  # smallest share
 TRUST = 0.1  # largest nodal displacement in an iteration, over the size of a facet
 CALM = 4  # successive decreases of the error before acceleration is tried
 SURE = 1e-3  # error below which acceleration is tried
-SURER = 0.1  # factor by which the error must fall before it is tried again
-
-MOST = 1e30  # nodal force in mN of a diverged iteration, whatever the tissue
 
 
 class Exhausted(ConvergenceError):
@@ -132,7 +125,8 @@ class Equilibrium:
         """
         if not target.by_force:
             start = replace(start, depth=target.value)
-        if np.abs(target.drag - self._factored.drag).max() > SAME_DRAG:
+        same_drag = 1e-9  # change of the coefficient of friction that needs no other columns
+        if np.abs(target.drag - self._factored.drag).max() > same_drag:
             self._factored.set_loads(self.contact.at(start), target.drag)
         try:
             return self._search(start, target)
@@ -144,9 +138,11 @@ class Equilibrium:
     def _search(self, start: State, target: Target, *, consistent: bool = True) -> State:
         """Iterate with Anderson acceleration; with consistent or positive definite tangents."""
         state, sound = start, start
-        mixing, retreats, error, renewed = Anderson(MEMORY), 0, np.inf, -SOON
+        memory = 12  # iterates of the Anderson acceleration
+        mixing, retreats, error, renewed = Anderson(memory), 0, np.inf, -SOON
         best, best_at, stuck = np.inf, 0, STUCK if consistent else PATIENCE
         most = self.factors + (ITERATIONS if target.by_force else SEARCH)
+        renewal = 30  # sum over steps of (iterations beyond FEW)² that justifies a new factor
         for count in range(ITERATIONS):
             iterate = self._evaluate(state, target)
             if iterate is None:
@@ -154,7 +150,7 @@ class Equilibrium:
                 if retreats > RETREATS or sound is start:
                     break
                 state = replace(state, values=(state.values + sound.values) / 2)
-                mixing = Anderson(MEMORY)
+                mixing = Anderson(memory)
                 continue
             sound, error = state, iterate.error
             if error <= self.tolerance:
@@ -165,13 +161,13 @@ class Equilibrium:
             elif count - best_at > stuck or self.factors > most:
                 break
             # One iteration brings the contact of the new step; a tangent before it ages sooner.
-            worn = (count == 1 and self._excess > RENEWAL) or count % PATIENCE == PATIENCE - 1
+            worn = (count == 1 and self._excess > renewal) or count % PATIENCE == PATIENCE - 1
             stalled = count - max(best_at, renewed) >= STALLED
             fold = iterate.gap.fold_stiffness
             folds = count - renewed >= SOON and self._folds_too_stiff(fold, target)
             if worn or stalled or folds:
                 self._renew(iterate, target, consistent=consistent)
-                mixing, renewed = Anderson(MEMORY), count
+                mixing, renewed = Anderson(memory), count
             state = self._step(iterate, target, mixing)
         raise not_converged(self.tolerance, error, count + 1)
 
@@ -185,6 +181,8 @@ class Equilibrium:
         """
         state, sound, plain, share = start, start, Anderson(1), 1.0
         errors, calm, sure = [np.inf], 0, SURE
+        hold = 2  # iterations with one share of the definite tangent
+        surer = 0.1  # factor by which the error must fall before acceleration is tried again
         for _ in range(DESCENT):
             iterate = self._evaluate(state, target)
             if iterate is None:
@@ -202,10 +200,10 @@ class Equilibrium:
             if calm >= CALM and iterate.error < sure:
                 with suppress(ConvergenceError):
                     return self._search(state, target, consistent=False)
-                sure = SURER * iterate.error
+                sure = surer * iterate.error
             share = self._blend(iterate, target, share)
             state = self._trusted(state, self._step(iterate, target, plain))
-            if not target.by_force and (len(errors) - 1) % HOLD == 0:
+            if not target.by_force and (len(errors) - 1) % hold == 0:
                 share = max(share / STRIDE, LEAST)
         raise not_converged(self.tolerance, errors[-1], len(errors) - 1)
 
@@ -221,7 +219,8 @@ class Equilibrium:
         """Evaluate residual and gaps; None if a cell is inverted or the forces diverge."""
         self.iterations += 1
         inner, least = self.body.residual(state.values, target.history)
-        if least <= 0 or not np.abs(inner).max() < MOST:  # "not <" also catches nan
+        most = 1e30  # nodal force in mN of a diverged iteration, whatever the tissue
+        if least <= 0 or not np.abs(inner).max() < most:  # "not <" also catches nan
             return None
         gap = self.contact.at(state)
         pulled = gap.pulled(target.drag)

@@ -19,10 +19,6 @@ from fefinger.fem.hyperelastic.material import Material
 from fefinger.support.arrays import Array
 
 
-PROJECTED = 1e-8
-"""Relative residual of the projection."""
-
-
 class StoredEnergy:
     """Strain energy of some tissues of a body, from its displacement.
 
@@ -140,7 +136,8 @@ class StoredEnergy:
         load = (self._weights * values) @ self._linear
         right = np.bincount(self._pressures.ravel(), load.ravel())
         inverse = sparse.diags(1.0 / self._mass.diagonal())
-        nodal, _ = cg(self._mass, right, rtol=PROJECTED, M=inverse)
+        projected = 1e-8  # relative residual of the projection
+        nodal, _ = cg(self._mass, right, rtol=projected, M=inverse)
         return np.asarray(nodal[self._pressures] @ self._linear.T)
 
 

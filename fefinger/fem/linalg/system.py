@@ -28,10 +28,6 @@ from fefinger.support.threads import one_thread
 from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY, FORCE_BALANCE, LINEAR_RESIDUAL
 
 
-REFINEMENTS = 8  # limit of iterative refinement
-LEFT = 0.1  # largest relative residual of a factor for the rigid motions of a held body
-
-
 class Solver(Protocol):
     """Interface of a factor: approximate solutions for right hand sides (n,) or (n, k)."""
 
@@ -115,7 +111,8 @@ class System:
         scale = np.linalg.norm(right, axis=0)
         scale = np.where(scale > 0, scale, 1.0)
         answer, worst = self.solver.solve(right), np.inf
-        for _ in range(REFINEMENTS):
+        refinements = 8  # limit of iterative refinement
+        for _ in range(refinements):
             residual, last = right - self.reduced @ answer, worst
             worst = float(np.max(np.linalg.norm(residual, axis=0) / scale, initial=0.0))
             if worst <= LINEAR_RESIDUAL:
@@ -181,11 +178,13 @@ def approximate_factor(
     close = system.neighbor(matrix)
     rigid = system.rigid if held else np.empty((len(system.free), 0))
 
+    left = 0.1  # largest relative residual of a factor for the rigid motions of a held body
+
     def factored(precision: Precision) -> ApproximateFactor:
         approximate = multifrontal_indefinite.factor(close, system.dissection, precision)
         residual = np.linalg.norm(close @ approximate.solve(rigid) - rigid, axis=0)
         # "not <=" also catches nan.
-        if not (residual <= LEFT * np.linalg.norm(rigid, axis=0)).all():
+        if not (residual <= left * np.linalg.norm(rigid, axis=0)).all():
             raise InputError(multifrontal.SINGULAR)
         return approximate
 

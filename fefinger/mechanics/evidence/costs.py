@@ -34,12 +34,6 @@ STEEPEST = 45.0
 """Angle of a plate in degrees beyond which contact leaves the part of the pad that `condensed` is
 reduced to, at depths of a tenth of the thickness."""
 
-STICKS = 1.0
-"""Coefficient of friction from which skin sticks to what presses it, a convention."""
-
-SLIPPED = 0.15
-"""Depth over the thickness at which the slip of a press was timed."""
-
 BESIDE = 8.0
 """Expected seconds of an answer from which on its spikes are checked beside it, in a process of
 their own."""
@@ -87,9 +81,11 @@ def _spent(mechanics: str, case: Situation, bodies: float) -> float:
 
 def _slip(case: Situation) -> float:
     """Return the expected time in s of contact in which vertices begin to slip, in a press."""
-    if case.motion.slides or not 0 < case.indenter.friction < STICKS:
+    sticks = 1.0  # coefficient of friction from which skin sticks to what presses it, a convention
+    if case.motion.slides or not 0 < case.indenter.friction < sticks:
         return 0.0
-    part = min(case.depth_over_thickness, coefficients()["deepest"]) / SLIPPED
+    slipped = 0.15  # depth over the thickness at which the slip of a press was timed
+    part = min(case.depth_over_thickness, coefficients()["deepest"]) / slipped
     return float(coefficients()["slip"][case.mesh]) * part**2 * slowness({})
 
 

@@ -15,9 +15,6 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD
 
 
-POISSON = 0.005
-"""Difference of Poisson's ratios that counts as none."""
-
 HELD = ("rigid", None, "fixed")
 """Bone, nail and cut of the fingers that were measured."""
 
@@ -32,13 +29,14 @@ def published_tissue(finger: Finger) -> bool:
     """Whether the tissues are the published ones, but for their moduli and the skin's thickness."""
     tissues = library.tissue_set(library.PUBLISHED)
     pairs = (finger.skin, tissues.skin), (finger.subcutaneous, tissues.subcutaneous)
+    poisson = 0.005  # difference of Poisson's ratios that counts as none
     return (
         as_pressed(finger)
         and (finger.tip_tissue, finger.tip_radius) == (None, None)
         and all(
             layer.law == own.law
             and layer.prony is None
-            and abs(layer.poisson - own.poisson) <= POISSON
+            and abs(layer.poisson - own.poisson) <= poisson
             for layer, own in pairs
         )
     )
@@ -66,14 +64,8 @@ def calibrated_subject(finger: Finger) -> str | None:
 LOGARITHM = 0.7
 """Difference of logarithms that counts 1: a factor of two."""
 
-SIZE = 0.2
-"""The same of the thickness of the finger, which all measured ones have within a fifth."""
-
 DEGREES = 15.0
 """Difference of angle or tilt that counts 1."""
-
-AWAY = 2.0
-"""Distance in mm from the middle of the pad that counts 1."""
 
 ROUND = "round"
 """Kind of plates, balls, ellipsoids and cylinders, which curvatures tell apart."""
@@ -97,12 +89,16 @@ class Features(NamedTuple):
     def of(cls, finger: Finger, indenter: Indenter) -> Self:
         """Return the features of an object pressed into a finger."""
         tissue, plate = finger.subcutaneous, indenter.plate or STANDARD
+        # Difference of the logarithm of the finger's thickness that counts 1: all fingers that were
+        # measured have one thickness within a fifth.
+        size = 0.2
+        away = 2.0  # distance in mm from the middle of the pad that counts 1
         numbers = (
             *(x / LOGARITHM for x in _shape(indenter, finger.thickness)),
             plate.angle / DEGREES,
             abs(plate.tilt) / DEGREES,
-            math.hypot(*(indenter.place or (0.0, 0.0))) / AWAY,
-            math.log(finger.thickness) / SIZE,
+            math.hypot(*(indenter.place or (0.0, 0.0))) / away,
+            math.log(finger.thickness) / size,
             math.log(finger.skin.modulus / tissue.modulus) / LOGARITHM,
             math.log(tissue.exponent or 1.0) / LOGARITHM,
         )

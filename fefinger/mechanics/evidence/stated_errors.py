@@ -46,9 +46,6 @@ SAME = 0.002
 FARTHEST = 1.6
 """Distance of the nearest press beyond which nothing is stated."""
 
-BEYOND = 1.06
-"""Depth over that of the deepest press up to which the errors there count."""
-
 LEAST = 1e-4
 """Least error that is told from none."""
 
@@ -154,6 +151,7 @@ def estimate(
     finite, label = MECHANICS[candidate.mechanics].finite, candidate.label
     near: list[tuple[float, Press, float]] = []
     reason = ""
+    beyond = 1.06  # depth over that of the deepest press up to which the errors there count
     for distance, press in nearest(features):
         if press.name == without or quantity not in press.errors.get(label, {}):
             continue
@@ -166,7 +164,7 @@ def estimate(
             )
             break
         there = part if finite else part * stiffer(features, press.features)
-        if there > BEYOND * press.part[-1]:
+        if there > beyond * press.part[-1]:
             reason = reason or (
                 f"not known: it goes to {there:.2g} of the finger's thickness, and presses like it "
                 f"were measured to {press.part[-1]:.2g}"

@@ -12,9 +12,6 @@ from fefinger.support.arrays import Array
 REPORT = "tactile-error.json"
 """Report of errors beside `solid`."""
 
-QUANTILE = 0.95
-"""Share of measured presses whose error is at most the stated one."""
-
 
 @cache
 def measured_errors() -> tuple[Array, TouchError]:
@@ -33,4 +30,5 @@ def measured_errors() -> tuple[Array, TouchError]:
         dtype=float,
     )
     worst = np.fmax.reduce(parts, axis=2)
-    return np.array(measured["bands_mm"][1:]), TouchError(*np.nanquantile(worst, QUANTILE, axis=1))
+    quantile = 0.95  # share of measured presses whose error is at most the stated one
+    return np.array(measured["bands_mm"][1:]), TouchError(*np.nanquantile(worst, quantile, axis=1))

@@ -8,9 +8,6 @@ from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Disc, Grid, Layout, Line, Places
 
 
-ABREAST = 16
-"""Units of a family of the package that are advanced together."""
-
 FINER = {"FAII": 2.0}
 """Steps of a membrane of a type over those of the other types."""
 
@@ -54,4 +51,5 @@ def blocks(ask: Ask) -> float:
     for kind, count in units(ask).items():
         finer = FINER.get(kind, 1.0)
         by_step[finer] = by_step.get(finer, 0.0) + count
-    return sum(finer * math.ceil(count / ABREAST) for finer, count in by_step.items())
+    abreast = 16  # units of a family of the package that are advanced together
+    return sum(finer * math.ceil(count / abreast) for finer, count in by_step.items())

@@ -33,26 +33,14 @@ from fefinger.theory.contact.elastic import amplification
 
 REPORT = "modal.json"
 
-STEPS = 0.003
-"""Error of 60 steps per cycle, by the order of the steps (`mechanics/press/modal_press.py`)."""
-
 BEYOND = 0.7
 """Frequency over that of the last mode beyond which the answer through time is not trusted."""
-
-RESONANT = 0.2
-"""Frequency x thickness / wave speed from which fingers resonate under a plate."""
 
 SHARE = 5.0
 """Force of a vibration over the peak, by amplitude over depth: at most 4.6 of the measured ones."""
 
-DAMPED = 0.8
-"""Share of the loss factor of the viscous relaxation from which a finger counts as damped."""
-
 NOISY = 10.0
 """Second difference of samples over their noise, which noise reaches at one in 20 000."""
-
-LEAST_NOISE = 1e-3
-"""Part of the peak that noise adds below which it is not worth a clause."""
 
 NEGLIGIBLE = 0.02
 """Change by inertia that is not worth a sentence."""
@@ -106,7 +94,8 @@ def left_out(case: Situation) -> tuple[float, str]:
     """
     error, reason = statics_error(case)
     of_noise, source = noise_error(case), ""
-    if of_noise >= LEAST_NOISE:
+    least_noise = 1e-3  # part of the peak that noise adds below which it is not worth a clause
+    if of_noise >= least_noise:
         motion = case.motion
         source = (
             f"; noise of {motion.noise:.2g} {motion.unit} in the samples adds "
@@ -135,7 +124,9 @@ def noise_error(case: Situation) -> float:
 
 def modal_error(case: Situation) -> float:
     """Return the error of the force by modes, mesh and steps, over its peak."""
-    return STEPS + float(np.hypot(_share(case) * vibration_error(case), press_error(case)))
+    # Error of 60 steps per cycle, by the order of the steps (`mechanics/press/modal_press.py`).
+    steps = 0.003
+    return steps + float(np.hypot(_share(case) * vibration_error(case), press_error(case)))
 
 
 def press_error(case: Situation) -> float:
@@ -217,7 +208,8 @@ def _resonates(case: Situation) -> bool:
     """Whether a vibration meets resonances of tissue that hardly damps them."""
     frequency = case.motion.highest_frequency
     undamped = frequency is not None and _damping(case, frequency) == "published"
-    return undamped and reduced_frequency(case) > RESONANT
+    resonant = 0.2  # frequency x thickness / wave speed from which fingers resonate under a plate
+    return undamped and reduced_frequency(case) > resonant
 
 
 def damped_set(finger: Finger) -> str:
@@ -277,7 +269,9 @@ def _damping(case: Situation, frequency: float) -> str:
         each.imag / each.real
         for each in (modulus(finger, frequency) for finger in (case.finger, viscous))
     ]
-    return "viscous" if losses[0] >= DAMPED * losses[1] else "published"
+    # Share of the loss factor of the viscous relaxation from which a finger counts as damped.
+    damped = 0.8
+    return "viscous" if losses[0] >= damped * losses[1] else "published"
 
 
 def _faster(case: Situation, frequency: float) -> float:

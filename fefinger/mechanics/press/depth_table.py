@@ -34,17 +34,11 @@ from fefinger.support.checks import InputError
 
 Value = TypeVar("Value")
 
-RANK = 1e-6
-"""Least singular value of a mode over the largest."""
-
 SHALLOWEST = 0.0016
 """Depth of the first row over the thickness of the finger, in tables that other motions share."""
 
 PARTS = 5
 """Steps between two depths of a table, equal in the root, as for the contact radius of a ball."""
-
-UNRESOLVED = 1e-9
-"""Secant stiffness over that at the largest depth, at depths where a mesh resolves no contact."""
 
 STEP, LEVELS = 3e-5, 32767
 """Displacement in mm to which modes are rounded, and the most steps of one: 16 bits."""
@@ -80,7 +74,8 @@ class DisplacementBasis:
         """Return the modes of fields (n, m) mm, from their singular values, rounded."""
         # By the products of the fields: a tenth of the time of a decomposition of the fields.
         square, left = np.linalg.eigh(fields @ fields.T)
-        kept = square > RANK**2 * square[-1]
+        rank = 1e-6  # least singular value of a mode over the largest
+        kept = square > rank**2 * square[-1]
         amplitudes, shapes = left[:, kept] * np.sqrt(square[kept]), left[:, kept].T @ fields
         shapes /= np.sqrt(square[kept])[:, None]
         step = STEP / np.abs(amplitudes).max(axis=0)
@@ -172,7 +167,10 @@ class DepthTable:
         """
         exponent = np.maximum.accumulate(np.maximum(self.bounded(self.stiffening), 0.0))
         secant = np.append(0.0, self.force_at_nodes[1:] / self.nodes[1:])
-        part = np.maximum(secant / secant[-1], UNRESOLVED)
+        # Secant stiffness over that at the largest depth, at depths where a mesh resolves no
+        # contact.
+        unresolved = 1e-9
+        part = np.maximum(secant / secant[-1], unresolved)
         return np.asarray(self.nodes * np.exp(exponent) * np.sqrt(part))
 
     @cached_property

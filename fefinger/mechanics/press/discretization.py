@@ -11,9 +11,6 @@ from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motion import Motion
 
 
-MESHED_ANGLE = 15.0
-"""Degrees between the plates for which meshes differ."""
-
 MESHED_PLACE, MESHED_NEAR = 2.0, 3.0
 """mm between the places for which meshes differ, and from the origin where none is needed."""
 
@@ -43,7 +40,8 @@ def refinement_location(indenter: Indenter) -> float | tuple[float, float] | Non
     fine around the touch of the 30 degree plate.
     """
     if indenter.plate is not None:
-        angle = MESHED_ANGLE * round(indenter.plate.angle / MESHED_ANGLE)
+        meshed_angle = 15.0  # degrees between the plates for which meshes differ
+        angle = meshed_angle * round(indenter.plate.angle / meshed_angle)
         return None if angle == STANDARD.angle else float(angle)
     x, y = indenter.place or (0.0, 0.0)
     if np.hypot(x, y) <= MESHED_NEAR:

@@ -37,9 +37,6 @@ PART, STEPS, FIRST, FEWEST = 0.16, 20, 2, 8
 """Depth over the thickness of the finger that STEPS steps reach; the first that is solved, below
 which no mesh resolves the contact; and the last one at least, also of a lighter press."""
 
-OWN = 16
-"""Number of depths of a table that cannot have the same as others."""
-
 RESOLVED = 2
 """Least number of depths with a force: between fewer, none can be interpolated."""
 
@@ -62,7 +59,8 @@ def depths_to(depth: float) -> Array:
 
     For a contact that reaches the rim beyond, or does not converge at one of the others.
     """
-    return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, OWN + 1)]) / OWN) ** 2)
+    own = 16  # number of depths of a table that cannot have the same as others
+    return np.asarray(depth * (np.concatenate([[0.0], np.arange(1.0, own + 1)]) / own) ** 2)
 
 
 def solve(

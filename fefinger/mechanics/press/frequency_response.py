@@ -30,11 +30,6 @@ from fefinger.support.checks import InputError, numbers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-HIGHEST = 0.75
-"""Highest frequency over that of the last mode, with the modulus at that frequency."""
-
-LISTED = 20  # modes of the held finger that are stored
-
 CONTACT = (
     "Harmonic answer: the contact is that of the relaxed finger at the preload and does not change "
     "with the oscillation, whose amplitude is infinitesimal."
@@ -155,6 +150,7 @@ class Vibrating:
         )
         strain, skin = self._read(held, static, frequency)
         unit = self._unit
+        listed = 20  # modes of the held finger that are stored
         return Harmonic(
             frequency=frequency,
             stiffness_parts=apart(unit * stiffness),
@@ -162,7 +158,7 @@ class Vibrating:
             skin_points=self.solid.space.points[self.line],
             skin_parts=apart(skin),
             error=np.abs(stiffness - rough) / np.abs(stiffness) * ratio,
-            modes=held.frequencies[:LISTED],
+            modes=held.frequencies[:listed],
             preload_depth=depth,
             preload_force=float(unit * pressure @ on_pad.projected),
             contact_area=float(self.solid.sides * on_pad.areas[active].sum()),
@@ -220,11 +216,13 @@ class Vibrating:
             message = f"frequency: expected values above 0 Hz, received {frequency.tolist()}"
             raise InputError(message)
         o = self.body.oscillators
-        reached = HIGHEST * self.complete * np.sqrt(np.abs(o.modulus(frequency)))
+        # Highest frequency over that of the last mode, with the modulus at that frequency.
+        highest = 0.75
+        reached = highest * self.complete * np.sqrt(np.abs(o.modulus(frequency)))
         beyond = frequency > reached
         if beyond.any():
             raise InputError(
-                f"frequency: expected at most {reached[beyond].min():.4g} Hz, {HIGHEST:g} of "
+                f"frequency: expected at most {reached[beyond].min():.4g} Hz, {highest:g} of "
                 f"the frequency of the last of {len(o.omega_squared)} modes, received "
                 f"{frequency[beyond].max():g} Hz; lower it, or take stiffer tissue"
             )

@@ -43,15 +43,6 @@ PER_DEPTH = 6.0
 PER_CONTACT = 48
 """Grid points across the contact of a smooth object."""
 
-MOST = 1024
-"""Most grid points of a side: half a GB, and a second a step."""
-
-AROUND = 1.0
-"""Free skin about the contact, both sides together, in thicknesses of the layers."""
-
-SEEN = 20
-"""Points to a side within a cell of the grid at which first touch is sought."""
-
 
 @dataclass(frozen=True)
 class LayerGap:
@@ -74,7 +65,8 @@ class LayerGap:
         turn = frame(axis, indenter.turn)[:2] @ frame(axis)[:2].T
         gap = cls(grid.places, indenter.profile, turn, finger.pad_radius, finger.ridges)
         lowest = np.unravel_index(int(np.argmin(gap((0.0, 0.0)))), grid.places.shape[:2])
-        cell = np.linspace(-grid.spacing, grid.spacing, 2 * SEEN + 1)
+        seen = 20  # points to a side within a cell of the grid at which first touch is sought
+        cell = np.linspace(-grid.spacing, grid.spacing, 2 * seen + 1)
         around = np.stack(np.meshgrid(cell, cell, indexing="ij"), axis=-1)
         near = replace(gap, places=grid.places[lowest] + around)
         return replace(gap, lift=float(near((0.0, 0.0)).min()))
@@ -132,14 +124,16 @@ def grid_of(layers: Stack, reach: float, step: float) -> LayerGrid:
 
     InputError if it would not fit into memory.
     """
-    side = 2 * reach + AROUND * layers.thickness
+    around = 1.0  # free skin about the contact, both sides together, in thicknesses of the layers
+    side = 2 * reach + around * layers.thickness
     points = fft.next_fast_len(math.ceil(side / step))
     while points % 2:
         points = fft.next_fast_len(points + 1)
-    if points > MOST:
+    most = 1024  # most grid points of a side: half a GB, and a second a step
+    if points > most:
         raise InputError(
             f"indenter: expected an object whose contact, {2 * reach:.3g} mm wide, a grid of "
-            f"{MOST} points a side resolves, received one that needs points {step:.2g} mm apart, "
+            f"{most} points a side resolves, received one that needs points {step:.2g} mm apart, "
             f"{points} a side; take rounder edges, or larger parts or ridges, or press less"
         )
     return LayerGrid(layers, points, step, width=reach / 2)

@@ -27,22 +27,6 @@ from fefinger.theory.contact.stack import PRESSURE, SHEAR, Stack
 UNIFORM = 1e-3
 """Wavenumber in 1/mm whose kernels serve the mean, far below one over the thickness."""
 
-DECAYED = 22.0
-"""Wavenumber times depth beyond which nothing of a wave is left: exp(-22) is 3e-10."""
-
-SMOOTH = 6.5
-"""Wavenumber times width of a Gaussian load beyond which it has no waves."""
-
-FREE = 6
-"""Side of a grid without images, in periods of the one whose images are estimated."""
-
-FEWEST = 24
-"""Least number of grid points for the strain at a depth."""
-
-TABULATED = 3000
-"""Wavenumbers, of even logarithms, at which kernels are exact; a cubic spline between them errs by
-1e-7, and a grid has ten times as many."""
-
 Waves = NDArray[np.complex128]
 
 
@@ -99,13 +83,15 @@ class LayerGrid:
 
     def of_images(self, z: float) -> "Means":
         """Return the mean fields of the periodic images of a load of 1 mN, at the depth z mm."""
-        both = zip(self._seen(z, 1), self._seen(z, FREE), strict=True)
+        free = 6  # side of a grid without images, in periods of the one whose images are estimated
+        both = zip(self._seen(z, 1), self._seen(z, free), strict=True)
         return Means(*(here - away for here, away in both))
 
     def _seen(self, z: float, periods: int) -> "Means":
         """Return the mean fields under Gaussian loads of 1 mN, so many `periods` apart."""
         side = periods * self.period
-        points = 2 * math.ceil(SMOOTH / self.width * side / (2 * np.pi)) + 2
+        smooth = 6.5  # wavenumber times width of a Gaussian load beyond which it has no waves
+        points = 2 * math.ceil(smooth / self.width * side / (2 * np.pi)) + 2
         xi = wavenumbers(points, side / points)
         slide, sink, stretch, _ = amplitudes(self.layers, xi, z)
         along, _, _, shear = amplitudes(self.layers, xi, z, SHEAR)
@@ -207,7 +193,10 @@ def asides(layers: Stack, xi: Array, z: float) -> Array:
 def _tabulated(kernel: Callable[[Array], Array], xi: Array) -> Array:
     """Return a kernel (k, ...) at wavenumbers of any shape, from a table of it."""
     xi = np.maximum(xi, UNIFORM)
-    lines = np.linspace(np.log(UNIFORM), np.log(float(xi.max())), TABULATED)
+    # Wavenumbers, of even logarithms, at which kernels are exact; a cubic spline between them errs
+    # by 1e-7, and a grid has ten times as many.
+    tabulated = 3000
+    lines = np.linspace(np.log(UNIFORM), np.log(float(xi.max())), tabulated)
     table = kernel(np.maximum(np.exp(lines), UNIFORM))
     return np.asarray(CubicSpline(lines, table, axis=1)(np.log(xi)))
 
@@ -287,8 +276,11 @@ def cropped(waves: Waves, points: int, fewer: int) -> Waves:
 
 def _level(grid: LayerGrid, places: Array, chosen: Flags, z: float, *, friction: bool) -> _Level:
     """Prepare the strain at one depth."""
-    needed = 2 * math.ceil(DECAYED / z * grid.period / (2 * np.pi)) + 2
-    points = min(grid.points, max(FEWEST, fft.next_fast_len(needed + needed % 2)))
+    # Wavenumber times depth beyond which nothing of a wave is left: exp(-22) is 3e-10.
+    decayed = 22.0
+    needed = 2 * math.ceil(decayed / z * grid.period / (2 * np.pi)) + 2
+    fewest = 24  # least number of grid points for the strain at a depth
+    points = min(grid.points, max(fewest, fft.next_fast_len(needed + needed % 2)))
     points = grid.points if points % 2 else points
     step = grid.period / points
     first, second = along_axes(points, step)

@@ -36,20 +36,8 @@ from fefinger.support.progress import Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-HELD = 30_000_000
-"""Pressures that a response holds, 240 MB; of more the means of blocks of points are."""
-
-WIDER = 2.2
-"""Width of the skin under a motion, over the radius of the contact."""
-
 CHUNK = 256
 """Times or components that are interpolated at once."""
-
-EDGE = 2
-"""Grid points at the border of a grid that contact must not reach."""
-
-RISEN = 1.1
-"""Growth of the force after which the error by periodic images is estimated again."""
 
 
 IMAGES = (
@@ -124,8 +112,11 @@ class LayerPress:
     @cached_property
     def block(self) -> int:
         """Side in points of a block whose mean pressure is kept."""
-        side = min(self.grid.period, WIDER * 2 * self.grid.width) / self.grid.spacing
-        return max(1, math.ceil(side * math.sqrt(len(self.time) / HELD)))
+        wider = 2.2  # width of the skin under a motion, over the radius of the contact
+        side = min(self.grid.period, wider * 2 * self.grid.width) / self.grid.spacing
+        # Pressures that a response holds, 240 MB; of more the means of blocks of points are.
+        held = 30_000_000
+        return max(1, math.ceil(side * math.sqrt(len(self.time) / held)))
 
     def _reader(self, contact: GridStepper) -> Callable[[], Record]:
         """Return the function that reads a contact after each step."""
@@ -136,9 +127,12 @@ class LayerPress:
             probe = StrainProbe(self.grid, *placed(self.first, sites), friction=friction)
         looked = np.zeros(2)  # the largest force, and what images leave there
 
+        # Growth of the force after which the error by periodic images is estimated again.
+        risen = 1.1
+
         def read() -> Record:
             p, area = contact.pressure, contact.area
-            if contact.force > RISEN * looked[0]:
+            if contact.force > risen * looked[0]:
                 looked[:] = contact.force, self._images(contact)
             total = float(p.sum())
             center = p @ places / total if total else np.full(2, np.nan)
@@ -257,7 +251,8 @@ def turned(strain: Array, first: Touch, sites: Sites) -> Array:
 def border(points: int) -> Flags:
     """Flag the points (n, n) at the border of a grid."""
     inside = np.zeros((points, points), dtype=bool)
-    inside[EDGE:-EDGE, EDGE:-EDGE] = True
+    edge = 2  # grid points at the border of a grid that contact must not reach
+    inside[edge:-edge, edge:-edge] = True
     return ~inside
 
 

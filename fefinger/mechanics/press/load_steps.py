@@ -26,10 +26,7 @@ Curve = Callable[[Array], Array]
 
 BY_DISTANCE = 8  # steps to the peak of the motion, of equal distances
 BY_TIME = 16  # more of them, of equal times: tissue relaxes in slow corners and at turns
-REST = 0.5  # a step of a rest, against the time that it has lasted
-LEAST = 5  # in every piece; 3 miss 4 % of a vibration at 200 Hz
 SPRING_ERROR = 5e-3  # of the peak, by which a spring may be wrong between its steps
-ROOT = 1 / 3  # of the force that depth and area begin as: a spring linear in it sees neither
 STILL = 1e-9  # path against the peak that counts as none
 
 
@@ -155,18 +152,20 @@ def _even(motion: Motion, time: Array, refine: int, friction: float) -> LoadStep
     distance = np.concatenate([[0.0], np.cumsum(np.abs(rises) + turns * motion.peak)])
     coordinate = np.zeros_like(time)
     chosen = [np.zeros(1, dtype=np.int64)]
+    rest = 0.5  # a step of a rest, against the time that it has lasted
+    least = 5  # in every piece; 3 miss 4 % of a vibration at 200 Hz
     for first, last in pairwise(seams):
         inside = np.arange(first, last + 1)
         if still[first]:
             passed = time[inside] - time[first]
             coordinate[inside] = coordinate[first] + np.log1p(passed / passed[1])
-            marks = _growing(passed, REST / refine)
+            marks = _growing(passed, rest / refine)
         else:
             gone = distance[inside] - distance[first]
             passed = time[inside] - time[first]
             due = BY_DISTANCE * gone + BY_TIME * gone[-1] * passed / passed[-1]
             coordinate[inside] = coordinate[first] + due
-            count = max(int(np.ceil(refine * due[-1] / motion.peak)), LEAST)
+            count = max(int(np.ceil(refine * due[-1] / motion.peak)), least)
             even = np.linspace(0, due[-1], count + 1)[1:]
             marks = np.searchsorted(due, even * (1 - STILL))  # rounding makes no step late
         chosen.append(np.append(inside[np.minimum(marks, len(inside) - 1)], last))
@@ -182,7 +181,9 @@ def _spring(prony: Prony, motion: Motion, time: Array, path: Array) -> Array:
     x = np.maximum(path, 0.0) / motion.peak
     if motion.by_force:
         depth = creep_integral(prony, time, x)
-        return np.column_stack([depth, np.maximum(depth, 0.0) ** ROOT])
+        # Of the force that depth and area begin as: a spring linear in it sees neither.
+        root = 1 / 3
+        return np.column_stack([depth, np.maximum(depth, 0.0) ** root])
     return np.column_stack([hereditary_integral(prony, time, x**1.5 + x**3), x])
 
 

@@ -24,15 +24,8 @@ from fefinger.support.progress import Stages
 from fefinger.support.threads import one_thread
 
 
-STEPS_PER_CYCLE = 60
-"""Steps per cycle of a vibration: its force is then 0.3 % off, by the order of the steps."""
-
 RINGING = 0.1
 """Time in s in which tissue of a published relaxation stops ringing after a motion."""
-
-SLOW = 25.0
-"""A part of the motion whose steps would be this many times as long as the shortest is
-quasi-static."""
 
 RECORDED = 1e-3
 """Longest time in s between stored states while the finger rings; FAST_STEP for FAII."""
@@ -59,8 +52,13 @@ def modal_grid(motion: Motion, *, fast: bool) -> TimeGrid:
     lengths, moves = np.diff(outer), _moving(motion, outer)
     cycle = 1 / motion.highest_frequency if motion.highest_frequency else np.inf
     shortest = lengths[moves].min(initial=np.inf)
-    longest = float(min(MODAL_STEP, cycle / STEPS_PER_CYCLE, shortest))
-    short = moves & (lengths <= SLOW * longest)
+    # Steps per cycle of a vibration: its force is then 0.3 % off, by the order of the steps.
+    steps_per_cycle = 60
+    longest = float(min(MODAL_STEP, cycle / steps_per_cycle, shortest))
+    # A part of the motion whose steps would be this many times as long as the shortest is
+    # quasi-static.
+    slow = 25.0
+    short = moves & (lengths <= slow * longest)
     last = np.maximum.accumulate(np.where(short, outer[1:], -np.inf))
     rings = ~short & (outer[:-1] < last + RINGING)
     parts = np.ones(len(lengths), dtype=np.int64)

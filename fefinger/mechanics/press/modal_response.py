@@ -41,15 +41,7 @@ from fefinger.support.text import percent
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 
-DAMPED = 300.0
-"""Frequency in Hz of the fastest relaxation, below which a result notes that vibrations hardly
-damp."""
-
 SOFT = 1, 2  # labels of skin and subcutaneous tissue
-
-SHALLOW = 0.12
-"""First guess of the depth that a force reaches, over the thickness: the operator ends at the sides
-of the finger, which a larger guess may reach for nothing."""
 
 
 def respond(
@@ -72,7 +64,10 @@ def respond(
     if stiffens(scene.finger):
         return _corrected(scene, grid, stages, mechanics, notes, geometric_share)
     press = Press.of(scene, operator.METHOD, stages, mechanics=mechanics, notes=notes)
-    press = replace(press, foreseen=SHALLOW * press.finger.thickness)
+    # First guess of the depth that a force reaches, over the thickness: the operator ends at the
+    # sides of the finger, which a larger guess may reach for nothing.
+    shallow = 0.12
+    press = replace(press, foreseen=shallow * press.finger.thickness)
     history = modal_press.solve_modal(press, grid, stages)
     press, body, contact = modal_press.at_stored(press, grid), history.body, history.contact
     with stages.stage("reference"):
@@ -331,7 +326,10 @@ def _with_modes(answer: Response, history: ModalHistory, grid: TimeGrid) -> Resp
 def _lossless(oscillators: Oscillators) -> Iterator[str]:
     """Yield the note that tissue hardly damps vibrations, if its relaxation ends early."""
     fastest = float(oscillators.rates.max(initial=0.0)) / (2 * np.pi)
-    if fastest <= DAMPED:
+    # Frequency in Hz of the fastest relaxation, below which a result notes that vibrations hardly
+    # damp.
+    damped = 300.0
+    if fastest <= damped:
         yield (
             f"The fastest relaxation of this tissue lies at {fastest:.3g} Hz: above it hardly "
             "anything is lost, where fingertips lose most, and resonances are too sharp. The sets "

@@ -29,13 +29,6 @@ CONVOLVED = (
     "convolved with the creep function."
 )
 
-ROUNDED = 5e-4
-"""Distance of a sum of weights from 1 that four digits of each explain."""
-
-
-MAX_TURN_DEG = 10.0
-"""Degrees by which a plate may turn from its travel, a convention: its pressure then has 0.18 of
-itself across the travel, which moves the tissue no more than friction of that coefficient."""
 
 RIGID_BONE = (
     "The bone is rigid and the nail does not move. Bone of 17 GPa would lower a relaxed force by "
@@ -68,7 +61,8 @@ def refusals(mechanics: str, about: str, reasons: Iterable[Reason]) -> tuple[Ref
 def normalization_notes(prony: Prony) -> Iterator[str]:
     """Yield a note if the published Prony weights do not add up to 1."""
     total = sum(prony.c)
-    if abs(total - 1) > ROUNDED:
+    rounded = 5e-4  # distance of a sum of weights from 1 that four digits of each explain
+    if abs(total - 1) > rounded:
         yield f"Published Prony weights sum to {total:.4g}; here they are divided by that sum."
 
 
@@ -196,11 +190,14 @@ def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:
     times = np.linspace(0.0, motion.duration, 201)
     slopes = motion.inclines(np.union1d(times, motion.breakpoints), indenter.flat)
     turn = float(np.degrees(np.arctan(np.linalg.norm(slopes, axis=1).max())))
-    if turn <= MAX_TURN_DEG:
+    # Degrees by which a plate may turn from its travel, a convention: its pressure then has 0.18 of
+    # itself across the travel, which moves the tissue no more than friction of that coefficient.
+    max_turn_deg = 10.0
+    if turn <= max_turn_deg:
         return ()
     reason = (
         f"motion.angle, motion.tilt: turn of the plate from its travel = {turn:.3g} degrees > "
-        f"{MAX_TURN_DEG:g}: pressure acts along the travel; start from an angle in the middle"
+        f"{max_turn_deg:g}: pressure acts along the travel; start from an angle in the middle"
     )
     return (Reason("motion.angle", reason),)
 

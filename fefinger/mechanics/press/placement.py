@@ -22,9 +22,6 @@ from fefinger.support.checks import InputError
 BESIDE = np.array([0.0, 0.0, 1.0])
 """Travel of an object whose place is beside the pad, which has no normal there."""
 
-ON_THE_CUT = 1e-3
-"""Part of the length of the finger within which the border of the pad is the proximal cut."""
-
 
 def obstacle(indenter: Indenter, body: Solid) -> Obstacle:
     """Return the indenter at first touch on this body.
@@ -86,7 +83,9 @@ def check_inside(body: Solid, pressed: Integers, depth: float) -> None:
     if len(reached) == 0:
         return
     length = float(np.ptp(body.space.points[:, 0]))
-    at_cut = reached[:, 0].min() < body.space.points[:, 0].min() + ON_THE_CUT * length
+    # Part of the length of the finger within which the border of the pad is the proximal cut.
+    on_the_cut = 1e-3
+    at_cut = reached[:, 0].min() < body.space.points[:, 0].min() + on_the_cut * length
     what = "proximal cut, behind which there is no finger" if at_cut else "nail"
     raise InputError(
         f"motion: expected contact inside the pad, but at a depth of {depth:.3g} mm it reaches the "

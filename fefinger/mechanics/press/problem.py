@@ -44,13 +44,6 @@ GROW = 1.4  # factor on the reach when contact meets the border of the candidate
 ATTEMPTS = 4  # with GROW: up to 2.7 times the first reach
 
 
-FACETS_PER_FEATURE = 1.5
-"""Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention."""
-
-FACETS_PER_RATE = 6.0
-"""The same, below which FAII count vertices of the mesh: they do over dots 5.4 facets wide (61
-impulses/s, on exact layers 0.4) and over narrower ones (suite `friction`)."""
-
 FRAMES_MOVING, FRAMES_RESTING = 20, 6  # stored fields: along the path, and evenly in time
 
 
@@ -219,15 +212,20 @@ def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:
     facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
     part = indenter.feature / facet
     size = f"its smallest part / facet = {indenter.feature:.2g} / {facet:.2g} mm = {part:.2g}"
-    if part < FACETS_PER_FEATURE:
+    # Width of a dot, ridge or groove over a facet below which a texture is too fine, a convention.
+    facets_per_feature = 1.5
+    if part < facets_per_feature:
         yield (
             f"Warning: the texture is finer than the mesh resolves, {size} < "
-            f"{FACETS_PER_FEATURE:g}: it is averaged over each facet; take a finer mesh "
+            f"{facets_per_feature:g}: it is averaged over each facet; take a finer mesh "
             "(finger.resolution) or a coarser texture."
         )
-    if slides and "FAII" in scene.ask.spikes and part < FACETS_PER_RATE:
+    # Width in facets below which FAII count vertices of the mesh: they do over dots 5.4 facets wide
+    # (61 impulses/s, on exact layers 0.4) and over narrower ones (suite `friction`).
+    facets_per_rate = 6.0
+    if slides and "FAII" in scene.ask.spikes and part < facets_per_rate:
         yield (
-            f"FAII: over this texture ({size} < {FACETS_PER_RATE:g}) they count vertices of the "
+            f"FAII: over this texture ({size} < {facets_per_rate:g}) they count vertices of the "
             "mesh that come into contact, not its parts (reports/friction.html)."
         )
 

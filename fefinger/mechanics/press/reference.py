@@ -25,10 +25,6 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError
 
 
-STEPS = 2
-"""In which the reference depth is reached; its equilibrium does not depend on them."""
-
-
 def reference_press(
     body: Solid, plate: ReferencePlate, method: SolutionMethod, reduced: Reduced | None = None
 ) -> Reference:
@@ -87,7 +83,8 @@ def reference_unknowns(press: Press, elements: Continuum) -> Array:
     )
     equilibrium = Equilibrium(elements, contact, press.system)
     states: list[State] = []
-    path = LoadPath("depth", np.linspace(0, 1, STEPS + 1), lambda t: REFERENCE_DEPTH * t)
+    steps = 2  # in which the reference depth is reached; its equilibrium does not depend on them
+    path = LoadPath("depth", np.linspace(0, 1, steps + 1), lambda t: REFERENCE_DEPTH * t)
     follow(equilibrium, StressHistory(elements, {}), path, lambda _, state: states.append(state))
     check_border(states[-1].pressure, contact.on.border)
     return states[-1].values

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 REFERENCE_DEPTH = 0.5
 """Depth in mm of the small flat press that sets the length of a strain."""
 
-LATTICE = 0.4  # mm between the points of a spherical pad
-
 
 def central_sites(ask: Ask, pulp: float, origin: Array, axis: Array) -> Sites:
     """Place one site per type of `ask` (all four where it names none) under the first touch.
@@ -93,9 +91,10 @@ def spherical(radius: float, axis: Array) -> "Surface":
 
     # A spherical pad ends where the sine of its slope is 0.9.
     reach = 0.9 * radius
-    x = LATTICE * np.arange(-np.floor(reach / LATTICE), np.floor(reach / LATTICE) + 1)
+    lattice = 0.4  # mm between the points of a spherical pad
+    x = lattice * np.arange(-np.floor(reach / lattice), np.floor(reach / lattice) + 1)
     flat = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
     flat = flat[np.linalg.norm(flat, axis=1) <= reach]
     depth = np.sqrt(radius**2 - np.sum(flat**2, axis=1))
     outward = flat @ directions(axis) - np.outer(depth, axis)
-    return Surface(radius * axis + outward, outward / radius, LATTICE**2 * radius / depth)
+    return Surface(radius * axis + outward, outward / radius, lattice**2 * radius / depth)

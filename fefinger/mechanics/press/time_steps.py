@@ -14,9 +14,6 @@ from fefinger.support.units import SLOW
 
 MOVING_STEP = 1e-3  # s: filters up to FAI (10 Hz) and the 4 ms relaxation are resolved
 FAST_STEP = 2e-4  # s: FAII takes a second derivative of up to 1 kHz
-STEPS_PER_CYCLE = 40  # the error of these steps is measured: reports/time-steps.json
-STEPS_PER_MOVE = 60  # likewise
-STEPS_PER_PART = 10  # in which a part of a texture passes, as a dot or a groove
 LONG = 5.0  # s: ramps and cycles that are longer take steps longer by as much, after their start
 GROWTH = 1.25  # of successive steps while at rest, and at the start of a long ramp
 RESTING_STEP = 0.05  # s, the longest, up to a rest of RESTING_STEPS of them
@@ -130,13 +127,16 @@ def _pieces(motion: Motion, *, fast: bool, feature: float) -> Iterator[_Piece]:
     moving = motion.moving
     inside = [corners[:-1], (corners[:-1] + corners[1:]) / 2, np.nextafter(corners[1:], -np.inf)]
     speeds = np.linalg.norm(motion.velocity(np.array(inside)), axis=-1).max(axis=0)
+    steps_per_part = 10  # in which a part of a texture passes, as a dot or a groove
     with np.errstate(divide="ignore", over="ignore"):  # at rest: infinite
-        passing = (feature / STEPS_PER_PART / speeds).tolist()
+        passing = (feature / steps_per_part / speeds).tolist()
+    # The error of these steps is measured: reports/time-steps.json.
+    steps_per_cycle, steps_per_move = 40, 60
     for (start, stop), part in zip(pairwise(corners.tolist()), passing, strict=True):
         middle = (start + stop) / 2
         move = [end - begin for begin, end in moving if begin <= middle <= end]
         longer = max(1.0, min(stop - start, cycle) / LONG)
-        shares = [cycle / STEPS_PER_CYCLE, *(length / STEPS_PER_MOVE for length in move)]
+        shares = [cycle / steps_per_cycle, *(length / steps_per_move for length in move)]
         first, step = (
             min([finest * long, max(FAST_STEP * long, part), *shares]) for long in (1.0, longer)
         )

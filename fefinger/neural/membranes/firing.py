@@ -16,9 +16,6 @@ from fefinger.support.threads import together
 LARGEST_STEP = 5e-5
 """Longest integration step in s; spike counts in steps and ramps are converged there."""
 
-_LARGEST_INPUT = 1e4
-"""Largest current in µA/cm² for which the fixed step is stable."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Firing:
@@ -64,9 +61,10 @@ def signals(time: ArrayLike, current: ArrayLike) -> tuple[Array, Array]:
     if not np.isfinite(time).all() or np.any(np.diff(time) < 0):
         raise InputError("time: expected finite times in s that never decrease")
     largest = float(max(current.max(initial=0.0), -current.min(initial=0.0)))
-    if not math.isfinite(largest) or largest > _LARGEST_INPUT:
+    largest_input = 1e4  # largest current in µA/cm² for which the fixed step is stable
+    if not math.isfinite(largest) or largest > largest_input:
         raise InputError(
-            f"current: expected at most {_LARGEST_INPUT:g} µA/cm², received {largest:g}; "
+            f"current: expected at most {largest_input:g} µA/cm², received {largest:g}; "
             "lower the gain or use the saturating generator"
         )
     return 1e3 * time, current.reshape(len(time), -1)

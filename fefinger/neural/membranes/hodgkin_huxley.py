@@ -43,13 +43,6 @@ _SPLITTING_ERROR, _RUNGE_KUTTA_ERROR = 600.0, 112.0
 speed³ * dt⁴ with dt in ms. Measured on ramps of 0.5 s to 2 to 100 µA/cm² held for 0.5 to 5 s, for
 speeds 1 and 1/6. The error is one of the rate, so it grows with time."""
 
-_WORTHWHILE = 0.0125
-"""Step in ms below which the splitting costs as much as Runge-Kutta with LARGEST_STEP."""
-
-_FINEST = 1e-9
-"""Least tolerance of spike times in s per s of the run: the exponentials of the compiled equations
-are right to some 1e-9, and the order 8 that tests compare with is no better."""
-
 
 @dataclass(frozen=True)
 class HodgkinHuxley:
@@ -113,10 +106,15 @@ class HodgkinHuxley:
 
         Raises InputError for a tolerance below a billionth of the run.
         """
-        least = _FINEST * max(1.0, seconds)
-        wanted = 1e3 * _FINEST * number("tolerance", tolerance, at_least=least, unit="s") / least
+        # Least tolerance of spike times in s per s of the run: the exponentials of the compiled
+        # equations are right to some 1e-9, and the order 8 that tests compare with is no better.
+        finest = 1e-9
+        least = finest * max(1.0, seconds)
+        wanted = 1e3 * finest * number("tolerance", tolerance, at_least=least, unit="s") / least
         splitting = (wanted / (_SPLITTING_ERROR * self.speed)) ** 0.5
-        if splitting >= _WORTHWHILE:
+        # Step in ms below which the splitting costs as much as Runge-Kutta with LARGEST_STEP.
+        worthwhile = 0.0125
+        if splitting >= worthwhile:
             return "splitting", min(1e-3 * splitting, LARGEST_STEP)
         runge_kutta = (wanted / (_RUNGE_KUTTA_ERROR * self.speed**3)) ** 0.25
         return "runge-kutta", min(1e-3 * runge_kutta, LARGEST_STEP)

@@ -11,12 +11,6 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import number
 
 
-_WIDTH = 64
-"""Units per block: the current of one sample then fills a few cache lines."""
-
-_SPIKE_MV = 40.0  # mV that the threshold counts as: where a Hodgkin-Huxley spike counts
-
-
 @dataclass(frozen=True)
 class IntegrateAndFire:
     """Membrane with a leak, a threshold, a reset and a refractory time: the cheapest model.
@@ -80,11 +74,13 @@ class IntegrateAndFire:
             rows = compiled.integrate(time_ms, part, self.numbers, spikes, counts)
             return trimmed(spikes, counts), rows
 
-        times, rows = in_blocks(block, columns, _WIDTH)
+        width = 64  # units per block: the current of one sample then fills a few cache lines
+        times, rows = in_blocks(block, columns, width)
+        spike_mv = 40.0  # mV that the threshold counts as: where a Hodgkin-Huxley spike counts
         return Firing(
             times=tuple(1e-3 * each for each in times),
-            peak_mV=_SPIKE_MV * rows[:, 1],
+            peak_mV=spike_mv * rows[:, 1],
             block_seconds=np.zeros(len(rows)),
             stimulus_driven=np.zeros(len(rows), np.int64),
-            final=_SPIKE_MV * rows[:, :1],
+            final=spike_mv * rows[:, :1],
         )

@@ -25,9 +25,6 @@ from fefinger.theory.contact.subsurface import subsurface_field
 LEVELS = 48
 """Number of contacts per table; force of a finger over bone within 1e-6, strain within 1e-4."""
 
-FEWEST = 4
-"""Smallest number of contacts that a cubic spline needs."""
-
 STEP = 2**0.25
 """Ratio of the largest contact radii of tables, so that presses of one body share tables."""
 
@@ -175,8 +172,9 @@ def tabulate(stack: Stack, radius: float, *, widest: float, levels: int = LEVELS
     `indentation.paraboloid` at `widest`.
     """
     elastic.require_positive("tabulate", radius=radius, widest=widest)
-    if levels < FEWEST:
-        raise ValueError(f"tabulate: expected at least {FEWEST} levels, received {levels!r}")
+    fewest = 4  # smallest number of contacts that a cubic spline needs
+    if levels < fewest:
+        raise ValueError(f"tabulate: expected at least {fewest} levels, received {levels!r}")
     # Quadratic spacing: the departure from Hertz begins at the thickness of the top layer, however
     # thin.
     wide = widest * (np.arange(1, levels + 1) / levels) ** 2

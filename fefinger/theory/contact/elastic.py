@@ -86,10 +86,6 @@ def strain(stress: Array, modulus: float, poisson: float) -> Array:
     return np.array([*normal, grow * shear]) / modulus
 
 
-STILL = 1e-3
-"""Speed over the speed of shear waves below which the limit of the quotient 0 / 0 is taken."""
-
-
 def amplification(speed: float) -> float:
     """Relative growth of the displacement of a half-space when its line load moves steadily.
 
@@ -97,7 +93,9 @@ def amplification(speed: float) -> float:
     2 M² / [4 a - (1 + a²)²] times the one at rest, with a = sqrt(1 - M²) (Cole and Huth, J. Appl.
     Mech. 25:433, 1958); less 1 it is returned, infinite from the Rayleigh speed, M = 0.955, on.
     """
-    if speed < STILL:
+    # Speed over the speed of shear waves below which the limit of the quotient 0 / 0 is taken.
+    still = 1e-3
+    if speed < still:
         return 0.75 * speed**2
     a = math.sqrt(max(0.0, 1.0 - speed**2))
     rayleigh = 4 * a - (1 + a**2) ** 2

@@ -26,12 +26,6 @@ from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
 
 
-WIDEST = 200.0
-"""Largest contact radius over thickness of the top layer; the number of unknowns grows with it."""
-
-ROUNDING = 1e-14
-"""Coefficients of phi below this fraction of the largest are rounding."""
-
 PHASE = 14.0
 """Largest phase of a cosine per panel in radians: its Legendre coefficient 32 is then 1e-19."""
 
@@ -162,16 +156,19 @@ def _even(coefficients: Array) -> Array:
 
 def _contact(body: LayeredBody, a: float, radius: float, *, depth: float, phi: Array) -> Contact:
     """Build a contact without the trailing coefficients of phi that are rounding."""
-    count = int(np.flatnonzero(np.abs(phi) > ROUNDING * np.abs(phi).max())[-1]) + 1
+    rounding = 1e-14  # coefficients of phi below this fraction of the largest are rounding
+    count = int(np.flatnonzero(np.abs(phi) > rounding * np.abs(phi).max())[-1]) + 1
     return Contact(body, a, radius, depth, phi[:count])
 
 
 def _solve(body: LayeredBody, a: float) -> tuple[Array, Array]:
     """Solve the equation for g = 1 and for g = x²: phi (n,) in even Legendre coefficients."""
     wide = a / body.scales[0]
-    if wide > WIDEST:
+    # Largest contact radius over thickness of the top layer; the number of unknowns grows with it.
+    widest = 200.0
+    if wide > widest:
         raise ValueError(
-            f"indentation: expected a contact radius of at most {WIDEST:g} thicknesses of the top "
+            f"indentation: expected a contact radius of at most {widest:g} thicknesses of the top "
             f"layer, received {wide:.3g}"
         )
     # phi varies over the thickness of the top layer, so the number of unknowns grows with `wide`.

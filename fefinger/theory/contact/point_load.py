@@ -25,9 +25,6 @@ FAR = 30.0
 DECAY = 20.0
 """Wavenumber times the thickness of the top layer from which on 1 - L is below 1e-14."""
 
-WIDE = 1e4
-"""Distance in mm to which a half-space is tabulated, more than any finger has."""
-
 PANELS, POINTS = 144, 16
 """Panels and points in each of the integrals over wavenumbers, whose phase is DECAY FAR at most."""
 
@@ -53,7 +50,8 @@ def moment(stack: Stack) -> Moment:
     unit = (1 - poisson**2) / (math.pi * modulus)
     fine, thick = stack.scales
     if thick == math.inf:
-        return Moment(WIDE, unit * np.array([0.0, WIDE]), unit * np.ones(2))
+        wide = 1e4  # distance in mm to which a half-space is tabulated, more than any finger has
+        return Moment(wide, unit * np.array([0.0, wide]), unit * np.ones(2))
     if stack.thickness == math.inf:
         raise ValueError("point_load: expected a half-space or layers on a rigid base")
     # With 1920 intervals the moment is interpolated to 1e-9 of its largest.

@@ -19,13 +19,6 @@ from fefinger.theory.contact.indentation import Contact, panels, panels_up_to
 from fefinger.theory.contact.stack import Layer, Stack
 
 
-SHALLOWEST = 0.02
-"""Smallest depth over the largest contact radius; the integral grows as its inverse."""
-
-_DECAY = 28.0
-"""Exponent at which the integrals are truncated: exp(-28) is 1e-12."""
-
-
 @dataclass(frozen=True, eq=False)
 class Field:
     """Displacement, strain and stress of n_c contacts at n_p points.
@@ -52,19 +45,22 @@ def subsurface_field(
         msg = "subsurface_field: expected at least one contact, and only contacts with this stack"
         raise ValueError(msg)
     widest = max(contact.contact_radius for contact in contacts)
-    if np.any(z < SHALLOWEST * widest):
+    # Smallest depth over the largest contact radius; the integral grows as its inverse.
+    shallowest = 0.02
+    if np.any(z < shallowest * widest):
         raise ValueError(
-            f"subsurface_field: expected points at least {SHALLOWEST} contact radii = "
-            f"{SHALLOWEST * widest:.3g} mm deep, received {z.min():.3g} mm; on the surface use the "
+            f"subsurface_field: expected points at least {shallowest} contact radii = "
+            f"{shallowest * widest:.3g} mm deep, received {z.min():.3g} mm; on the surface use the "
             f"pressure of the contact"
         )
     displacement = np.empty((len(contacts), 2, len(z)))
     strain = np.empty((len(contacts), 4, len(z)))
     stress = np.empty((len(contacts), 4, len(z)))
     shallow = float(z.min())
+    decay = 28.0  # exponent at which the integrals are truncated: exp(-28) is 1e-12
     xi, weights = panels(
         1e-4 / min(stack.scales[1], shallow),
-        _DECAY / shallow,
+        decay / shallow,
         reach=float(r.max()) + widest,
     )
     loads = weights * np.array([contact.transform(xi) for contact in contacts])
@@ -72,7 +68,7 @@ def subsurface_field(
     for level in np.unique(octave):
         members = np.flatnonzero(octave == level)
         # Deeper points need fewer of the same wavenumbers, in whole panels.
-        last = panels_up_to(xi, _DECAY / float(z[members].min()))
+        last = panels_up_to(xi, decay / float(z[members].min()))
         depths, place = np.unique(z[members], return_inverse=True)
         kernels = stack.depths(xi[:last], depths)
         for index, depth in enumerate(depths):

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
 TERMS = 3  # exponentials of G in Table 3.1 of Pawluk (1997)
 FASTEST = 300.0  # 1/s, initial value of the fastest rate
-FAINT = 1e-6  # weight below which a term counts as missing
-TYPICAL = 2.0  # 1/mm, typical m of fingers: the initial value without a stiffness line
 CUT = SMOOTHING // 2 + 1  # samples before the hold that smoothing mixes with it
 
 
@@ -220,13 +218,15 @@ def _start(record: RampHold) -> Spring:
         x0 = float(smooth(record.position)[record.touch])
         depth = float(record.position[record.hold]) - x0
         peak = float(record.force.max())
-        return Spring(peak * TYPICAL / np.expm1(TYPICAL * depth), TYPICAL, x0)
+        typical = 2.0  # 1/mm, typical m of fingers: the initial value without a stiffness line
+        return Spring(peak * typical / np.expm1(typical * depth), typical, x0)
 
 
 def _shown(prony: Prony, record: RampHold) -> bool:
     """Test whether the samples of a hold resolve every term of a G that was fitted to it."""
     least, most = 0.1 / record.hold_seconds, 1.0 / float(np.median(np.diff(record.time)))
-    return min(prony.weights) > FAINT and all(least < v < most for v in prony.v)
+    faint = 1e-6  # weight below which a term counts as missing
+    return min(prony.weights) > faint and all(least < v < most for v in prony.v)
 
 
 def _spaced(terms: int, seconds: float) -> Prony:

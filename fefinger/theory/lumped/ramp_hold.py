@@ -14,20 +14,11 @@ from fefinger.theory.relaxation import Prony, exprel
 SMOOTHING = 9  # samples of the moving average (Pawluk 1997, section 2.4.1)
 FEWEST = 20  # smallest number of samples in the ramp in contact, and in the hold
 RAMP_POINTS = 400  # largest number of averages on the ramp
-HOLD_RATIO = 1.03  # ratio of the times, since its start, of successive averages in the hold
-REACHED = 0.98  # fraction of the travel from which the indenter is near its hold
 STILL = 2e-3  # fraction of the travel within which a hold stays
 STRAY = 6.0  # standard deviations that smoothed noise does not exceed in 1e5 samples
-LEVELS = 50  # bins of the upper half of the travel; the hold is in the fullest one
-BEGUN = 0.01  # first force, over the largest one, from which a record begins in contact
 WHOLE = 1e-3  # tolerance, over the step, for differences of a rounded signal to be multiples of it
-OFFSET = 0.1  # largest offset below 0 of the first force, over the largest force
 STEPPED = 0.5  # fraction of equal successive samples from which a force is read in steps
 FILTERED = 0.01  # s after which filtered noise is uncorrelated
-LEFT = (
-    0.01  # part of the range of a force above its reading before touch from which it is in contact
-)
-COLORED = 1.3  # ratio of noise over FILTERED to that between samples from which noise is filtered
 
 
 @dataclass(frozen=True)
@@ -71,7 +62,8 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
     _check_parts(time[:end], force[:end], touch, hold)
     _check_range(force[:end])
     force_noise = _held_noise(time[hold:end], force[hold:end])
-    if touch == 0 and force[0] > BEGUN * largest + STRAY * force_noise:
+    begun = 0.01  # first force, over the largest one, from which a record begins in contact
+    if touch == 0 and force[0] > begun * largest + STRAY * force_noise:
         raise ValueError(
             f"force: expected a record that begins before touch, at 0 N, received {force[0]:.3g} N "
             "in its first sample; begin it before touch, and tare the force"
@@ -91,7 +83,8 @@ def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
 def _check_parts(time: Array, force: Array, touch: int, hold: int) -> None:
     """Reject a force that begins below 0, and a record with too few samples of ramp or hold."""
     first = float(np.median(force[:SMOOTHING]))
-    if first < -OFFSET * float(force.max()):
+    offset = 0.1  # largest offset below 0 of the first force, over the largest force
+    if first < -offset * float(force.max()):
         msg = f"force: expected 0 N before touch, received {first:.3g} N; tare the force"
         raise ValueError(msg)
     for name, count in (("ramp in contact", hold - touch), ("hold", len(time) - hold)):
@@ -132,9 +125,11 @@ def _hold(position: Array, noise: float) -> tuple[int, int, int]:
     """
     smoothed = smooth(position)
     low, high = float(smoothed.min()), float(smoothed.max())
-    stays, edges = np.histogram(smoothed, LEVELS, ((low + high) / 2, high))
+    levels = 50  # bins of the upper half of the travel; the hold is in the fullest one
+    stays, edges = np.histogram(smoothed, levels, ((low + high) / 2, high))
     most = int(stays.argmax())
-    near = np.abs(smoothed - (edges[most] + edges[most + 1]) / 2) < (1 - REACHED) * (high - low)
+    reached = 0.98  # fraction of the travel from which the indenter is near its hold
+    near = np.abs(smoothed - (edges[most] + edges[most + 1]) / 2) < (1 - reached) * (high - low)
     level = float(np.median(smoothed[near]))
     tolerance = max(STRAY * noise / np.sqrt(SMOOTHING), STILL * (high - low))
     away = np.abs(smoothed - level)
@@ -188,7 +183,9 @@ def free_samples(force: Array) -> int:
     smoothed = smooth(force)
     level = float(np.median(smoothed[:SMOOTHING]))
     noise = float(np.median(np.abs(np.diff(force)))) / (0.6745 * np.sqrt(2))
-    limit = max(2 * noise, LEFT * float(np.ptp(smoothed)))
+    # Part of the range of a force above its reading before touch from which it is in contact.
+    left = 0.01
+    limit = max(2 * noise, left * float(np.ptp(smoothed)))
     above = np.flatnonzero(np.abs(smoothed - level) > limit)
     return max(int(above[0]) - SMOOTHING, 0) // 2 if above.size else len(force)
 
@@ -243,9 +240,10 @@ def group_starts(record: RampHold, parts: Sequence[tuple[int, int]]) -> list[int
     ]
     since = record.time[record.hold :] - record.time[record.hold]
     at = 0
+    hold_ratio = 1.03  # ratio of the times, since its start, of successive averages in the hold
     while at < len(since):
         starts.append(record.hold + at)
-        at = max(at + 1, int(np.searchsorted(since, since[at] * HOLD_RATIO, "right")) - 1)
+        at = max(at + 1, int(np.searchsorted(since, since[at] * hold_ratio, "right")) - 1)
     return starts
 
 
@@ -359,4 +357,6 @@ def _held_noise(time: Array, force: Array) -> float:
     if not 1 < lag < len(force) // (2 * FEWEST):
         return near
     far = _median_noise(force[2 * lag :] - 2 * force[lag:-lag] + force[: -2 * lag])
-    return far if far > COLORED * near else near
+    # Ratio of noise over FILTERED to that between samples from which noise is filtered.
+    colored = 1.3
+    return far if far > colored * near else near
