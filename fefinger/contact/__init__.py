@@ -9,5 +9,5 @@ prony_history.py     what the past leaves, by exponentials
 active_set.py, coulomb.py    the solvers of one step: complementarity, Coulomb
 complementarity.py   complementarity without time: many loads, one flexibility
 posed.py (pad_worlds.py, pad_gaps.py, signed_distance.py)   objects at any pose, in many worlds
-oscillators.py, closed_contact.py    modes of a body: through time, and harmonic
+oscillators.py       modes of a body: through time, and harmonic with a contact that stays closed
 """

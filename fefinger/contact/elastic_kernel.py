@@ -31,7 +31,7 @@ SLIVER = 1e-9
 
 
 class Kernel(NamedTuple):
-    """The moment M of K at equal steps from 0, constant beyond: as `theory.contact.point_load`.
+    """The moment M of K at equal steps from 0, constant beyond: as `theory.contact.stack`.
 
     step mm; value (n,) mm²/mN; slope (n,) mm/mN, the derivative K(r) r.
     """

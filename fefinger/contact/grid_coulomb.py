@@ -17,8 +17,7 @@ import numpy as np
 from scipy import fft
 
 from fefinger.contact.active_set import DONE, ENDLESS
-from fefinger.contact.grid_solver import GridSolver
-from fefinger.contact.grid_waves import Window
+from fefinger.contact.grid_solver import GridSolver, Window
 from fefinger.contact.stepper import State
 from fefinger.support.arrays import Array, Flags, Integers
 

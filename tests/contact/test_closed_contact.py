@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from fefinger.contact.closed_contact import ClosedContact
+from fefinger.contact.oscillators import ClosedContact
 
 
 WEIGHTS, RATES = np.array([1.5, 0.4]), np.array([220.0, 10.0])

@@ -8,8 +8,7 @@ from fefinger.validation.oracles.mindlin import Mindlin
 from fefinger.contact.active_set import DONE, ENDLESS
 from fefinger.contact.frictional import FrictionalContact
 from fefinger.contact.grid_coulomb import Flexibility, GridCoulomb
-from fefinger.contact.gridded import GridContact
-from fefinger.contact.gridded_friction import GridFriction
+from fefinger.contact.gridded import GridContact, GridFriction
 from fefinger.contact.stepper import Target
 
 

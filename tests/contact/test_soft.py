@@ -17,8 +17,7 @@ from fefinger.fem.contact.patch import trace_of
 from fefinger.fem.elements.forms import Elastic
 from fefinger.theory.contact import indentation, ting
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.point_load import moment
-from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.contact.stack import Layer, Stack, moment
 from fefinger.theory.relaxation import Prony, in_series
 
 

@@ -15,7 +15,7 @@ from fefinger.fem.elements.forms import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.scene.inertia import DENSITY
 from fefinger.support.checks import ConvergenceError
-from fefinger.theory.contact import subsurface
+from fefinger.theory.contact import indentation
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.view.figures import style
 
@@ -96,7 +96,7 @@ def test_the_strain_below_a_plate_is_that_of_hankel_transforms(pressed):
     r = np.array([0.0, 0.8, 1.6])
     places = np.column_stack([np.zeros(3), r])
     strain = PAD.strain(pressure, 0.6, places)
-    field = subsurface.subsurface_field(LAYERS, [exact], r, z=np.full(3, 0.6))
+    field = indentation.subsurface_field(LAYERS, [exact], r, z=np.full(3, 0.6))
     radial, hoop, axial, shear = field.strain[0]
     scale = np.abs(axial).max()
     parts = (strain[:, 1, 1], strain[:, 0, 0], strain[:, 2, 2], strain[:, 1, 2])

@@ -13,8 +13,7 @@ import numpy as np
 from fefinger.validation.afferents import experiments
 
 from fefinger.contact.active_set import DONE
-from fefinger.contact.gridded import GridContact, GridStepper
-from fefinger.contact.gridded_friction import GridFriction
+from fefinger.contact.gridded import GridContact, GridFriction, GridStepper
 from fefinger.contact.stepper import Target
 from fefinger.geometry.profiles import Profile
 from fefinger.mechanics.layered import stack

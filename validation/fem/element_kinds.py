@@ -28,8 +28,8 @@ from fefinger.fem.linalg.dissection import dissect
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.threads import one_thread
+from fefinger.theory.contact.indentation import subsurface_field
 from fefinger.theory.contact.stack import Stack
-from fefinger.theory.contact.subsurface import subsurface_field
 
 
 REPORT = "elements.json"

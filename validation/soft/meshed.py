@@ -25,8 +25,7 @@ from fefinger.fem.hyperelastic.state import State
 from fefinger.fem.linalg.system import factor
 from fefinger.geometry.profiles import Ellipsoid
 from fefinger.support.arrays import Array
-from fefinger.theory.contact.point_load import moment
-from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.contact.stack import Layer, Stack, moment
 
 
 RADIUS, MODULUS, POISSON = 10.0, 50.0, 0.49

@@ -8,7 +8,7 @@ from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.waves import lateral, loops, preload
 from scipy import sparse
 
-from fefinger.contact.closed_contact import ClosedContact
+from fefinger.contact.oscillators import ClosedContact
 from fefinger.fem.elements.forms import mass
 from fefinger.fem.modes import modes_of
 from fefinger.mechanics import modal, pressed, solid

@@ -14,7 +14,7 @@ from fefinger.validation.case import Noted
 from fefinger.validation.waves import loops
 from scipy import sparse
 
-from fefinger.contact.closed_contact import ClosedContact
+from fefinger.contact.oscillators import ClosedContact
 from fefinger.fem.condensation import displaced, reduce
 from fefinger.mechanics.press import placement
 from fefinger.mechanics.press.frequency_response import RimError

@@ -7,9 +7,8 @@ import numpy as np
 from fefinger.validation.waves.bodies import RATES, WEIGHTS
 
 from fefinger.contact.active_set import DONE
-from fefinger.contact.closed_contact import ClosedContact
 from fefinger.contact.inertial import InertialContact
-from fefinger.contact.oscillators import Complex, Oscillators
+from fefinger.contact.oscillators import ClosedContact, Complex, Oscillators
 from fefinger.contact.stepper import Target
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press.modal_body import ModalBody

@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fefinger.contact.soft_surface import RIGID_SURFACE, ObjectSurface
+from fefinger.contact.soft import RIGID_SURFACE, ObjectSurface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
 from fefinger.fem.elements.assembly import scattered

@@ -12,8 +12,8 @@ from typing import Self
 import numpy as np
 from scipy import sparse
 
-from fefinger.contact.closed_contact import ClosedContact
 from fefinger.contact.complementarity import Complementarity, pressure_at_force
+from fefinger.contact.oscillators import ClosedContact
 from fefinger.fem.condensation import Operator, displaced, reduce
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import Patch, patch

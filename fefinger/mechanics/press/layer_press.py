@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from fefinger.contact.gridded import GridContact, GridStepper, SoftGridContact
-from fefinger.contact.gridded_friction import GridFriction
+from fefinger.contact.gridded import GridContact, GridFriction, GridStepper, SoftGridContact
 from fefinger.contact.march import Prescribed, collected
 from fefinger.contact.stepper import Record
 from fefinger.geometry.profiles import frame

@@ -10,8 +10,14 @@ from fefinger.contact.elastic_kernel import (
     symmetric,
     weighted,
 )
-from fefinger.contact.soft import RIGID, ElasticObject, PressingObject
-from fefinger.contact.soft_surface import RIGID_SURFACE, ElasticSurface, ObjectSurface
+from fefinger.contact.soft import (
+    RIGID,
+    RIGID_SURFACE,
+    ElasticObject,
+    ElasticSurface,
+    ObjectSurface,
+    PressingObject,
+)
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.obstacle import OwnObstacle
@@ -21,8 +27,7 @@ from fefinger.geometry import mirror
 from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
 from fefinger.support.threads import one_thread
-from fefinger.theory.contact.point_load import moment
-from fefinger.theory.contact.stack import Stack
+from fefinger.theory.contact.stack import Stack, moment
 
 
 def kernel(body: Stack) -> Kernel:

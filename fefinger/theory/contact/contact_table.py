@@ -17,9 +17,8 @@ from scipy.interpolate import CubicSpline
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
-from fefinger.theory.contact.indentation import Contact, over_edge, paraboloid
+from fefinger.theory.contact.indentation import Contact, over_edge, paraboloid, subsurface_field
 from fefinger.theory.contact.stack import Stack
-from fefinger.theory.contact.subsurface import subsurface_field
 
 
 LEVELS = 48

@@ -1,4 +1,4 @@
-"""Exact frictionless contact of an axisymmetric indenter, for a body with a Hankel compliance.
+"""Exact frictionless axisymmetric contact by a Hankel compliance: the surface and below.
 
 The pressure is written as p(xi) = integral over 0..a of phi(t) cos(xi t) dt, which leaves the
 Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for phi:
@@ -8,12 +8,17 @@ Lebedev-Ufliand equation, Fredholm of the second kind with a smooth kernel, for 
 
 C = 2 (1 - nu²) / E of the surface, g = depth - x²/R for a paraboloid, with phi(a) = 0, and
 g = depth for a flat punch. phi is expanded in even Legendre polynomials, whose pressures have a
-closed form. Lengths in mm, moduli in kPa, forces in mN. Source: Lebedev and Ufliand, J. Appl. Math.
-Mech. 22, 1958, 442.
+closed form. Source: Lebedev and Ufliand, J. Appl. Math. Mech. 22, 1958, 442.
+
+Below the surface the kernels of `stack.py` decay as exp(-xi z), so that each component is one
+smooth integral over the wavenumber. It is linear in the pressure: many contacts on one stack share
+the kernels and the Bessel functions. Lengths in mm, moduli and stresses in kPa, forces in mN; z
+points into the body.
 """
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Protocol
@@ -21,9 +26,11 @@ from typing import Protocol
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
+from scipy.special import j0, j1
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
+from fefinger.theory.contact.stack import Layer, Stack
 
 
 PHASE = 14.0
@@ -223,3 +230,87 @@ def panels_up_to(nodes: Array, high: float) -> int:
     """Count the first `nodes` of `panels` that cover 0..high, in whole panels."""
     points = len(_NODES)
     return min(len(nodes), points * math.ceil(int(np.searchsorted(nodes, high)) / points))
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Displacement, strain and stress of n_c contacts at n_p points.
+
+    displacement (n_c, 2, n_p) u_r and u_z in mm; strain (n_c, 4, n_p) and stress (n_c, 4, n_p) in
+    kPa with the components r, theta, z and rz (tensor), positive in tension.
+    """
+
+    displacement: Array
+    strain: Array
+    stress: Array
+
+
+def subsurface_field(
+    stack: Stack, contacts: Sequence[Contact], r: ArrayLike, *, z: ArrayLike
+) -> Field:
+    """Compute the field below `contacts` on one `stack` at points r (n_p,), z (n_p,) in mm.
+
+    ValueError for a contact on another body, r < 0, or z outside 0.02 a to the base.
+    """
+    r, z = elastic.points("subsurface_field", r, z)
+    r, z = np.atleast_1d(r), np.atleast_1d(z)
+    if not contacts or any(contact.body != stack for contact in contacts):
+        msg = "subsurface_field: expected at least one contact, and only contacts with this stack"
+        raise ValueError(msg)
+    widest = max(contact.contact_radius for contact in contacts)
+    # Smallest depth over the largest contact radius; the integral grows as its inverse.
+    shallowest = 0.02
+    if np.any(z < shallowest * widest):
+        raise ValueError(
+            f"subsurface_field: expected points at least {shallowest} contact radii = "
+            f"{shallowest * widest:.3g} mm deep, received {z.min():.3g} mm; on the surface use the "
+            f"pressure of the contact"
+        )
+    displacement = np.empty((len(contacts), 2, len(z)))
+    strain = np.empty((len(contacts), 4, len(z)))
+    stress = np.empty((len(contacts), 4, len(z)))
+    shallow = float(z.min())
+    decay = 28.0  # exponent at which the integrals are truncated: exp(-28) is 1e-12
+    xi, weights = panels(
+        1e-4 / min(stack.scales[1], shallow),
+        decay / shallow,
+        reach=float(r.max()) + widest,
+    )
+    loads = weights * np.array([contact.transform(xi) for contact in contacts])
+    octave = np.floor(np.log2(z))
+    for level in np.unique(octave):
+        members = np.flatnonzero(octave == level)
+        # Deeper points need fewer of the same wavenumbers, in whole panels.
+        last = panels_up_to(xi, decay / float(z[members].min()))
+        depths, place = np.unique(z[members], return_inverse=True)
+        kernels = stack.depths(xi[:last], depths)
+        for index, depth in enumerate(depths):
+            here = members[place == index]
+            layer = stack.layers[stack.locate(float(depth))[0]]
+            parts = _integrate(loads[:, :last], layer, kernels[index], xi=xi[:last], r=r[here])
+            displacement[:, :, here], strain[:, :, here], stress[:, :, here] = parts
+    return Field(displacement, strain, stress)
+
+
+def _integrate(
+    loads: Array, layer: Layer, kernels: Array, *, xi: Array, r: Array
+) -> tuple[Array, Array, Array]:
+    """Integrate displacement, strain and stress (n_c, 2 or 4, n_p) at one depth.
+
+    loads (n_c, n): transforms of the pressures times the weights; kernels (4, n) of the stack.
+    """
+    wave = np.multiply.outer(xi, r)
+    even, odd = j0(wave), j1(wave)
+    slide, sink, axial, shear = kernels
+    nu, twice = layer.poisson, 2 * layer.shear
+    stretch = ((1 - 2 * nu) * axial / twice - nu * slide) / (1 - nu)
+    u_z, spread, strain_z, stress_z = (
+        (loads * part) @ even for part in (sink, xi * slide, xi * stretch, xi * axial)
+    )
+    u_r, stress_rz = ((loads * part) @ odd for part in (slide, xi * shear))
+    hoop = np.where(r > 0, u_r / np.where(r > 0, r, 1.0), spread / 2)
+    strain = np.stack([spread - hoop, hoop, strain_z, stress_rz / twice], axis=1)
+    # From sigma_z and strain differences, which stay finite in an incompressible layer.
+    across = [stress_z + twice * (strain[:, i] - strain_z) for i in (0, 1)]
+    stress = np.stack([*across, stress_z, stress_rz], axis=1)
+    return np.stack([u_r, u_z], axis=1), strain, stress

@@ -12,9 +12,8 @@ from fefinger.contact.stepper import Target
 from fefinger.mechanics import layered
 from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe
 from fefinger.theory.contact.contact_table import tabulate_to
-from fefinger.theory.contact.indentation import paraboloid
+from fefinger.theory.contact.indentation import paraboloid, subsurface_field
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.contact.subsurface import subsurface_field
 
 
 STACK = layered.stack(ff.Finger.subject("a.h.", tissue="maeno1998"))

@@ -9,9 +9,8 @@ from oracles.solved_contact import load_within
 
 from fefinger.theory.contact.contact_table import STEP, TooWideError, tabulate, tabulate_to
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import paraboloid
+from fefinger.theory.contact.indentation import paraboloid, subsurface_field
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.contact.subsurface import subsurface_field
 
 
 FINGER = Stack((Layer(1.0, 100.0, 0.49), Layer(4.0, 34.0, 0.48)))

@@ -11,9 +11,8 @@ from scipy.linalg import expm
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.hertz import Hertz
-from fefinger.theory.contact.indentation import flat_punch, panels, paraboloid
+from fefinger.theory.contact.indentation import flat_punch, panels, paraboloid, subsurface_field
 from fefinger.theory.contact.stack import Layer, Stack
-from fefinger.theory.contact.subsurface import subsurface_field
 
 
 XI = np.geomspace(1e-3, 60.0, 40)
