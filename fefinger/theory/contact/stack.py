@@ -22,7 +22,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import j0, j1
 
 from fefinger.theory.contact import elastic
 from fefinger.theory.contact.elastic import Array
@@ -285,6 +284,8 @@ def moment(stack: Stack) -> Moment:
 
     ValueError for layers on an elastic half-space: one layer on a rigid base, or a half-space.
     """
+    from scipy.special import j0, j1
+
     modulus, poisson = stack.surface
     unit = (1 - poisson**2) / (math.pi * modulus)
     fine, thick = stack.scales
@@ -292,7 +293,7 @@ def moment(stack: Stack) -> Moment:
         wide = 1e4  # distance in mm to which a half-space is tabulated, more than any finger has
         return Moment(wide, unit * np.array([0.0, wide]), unit * np.ones(2))
     if stack.thickness == math.inf:
-        raise ValueError("point_load: expected a half-space or layers on a rigid base")
+        raise ValueError("moment: expected a half-space or layers on a rigid base")
     # With 1920 intervals the moment is interpolated to 1e-9 of its largest.
     r = np.linspace(0.0, FAR * thick, 1921)
     xi, weights = _nodes(DECAY / fine)
