@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fefinger.calibration.calibrate import calibrate as calibrate
     from fefinger.calibration.record import Calibration as Calibration
     from fefinger.calibration.rig import Rig as Rig
-    from fefinger.fem.hyperelastic.check import check_law as check_law
+    from fefinger.fem.hyperelastic.continuum import check_law as check_law
     from fefinger.laws import Law as Law
     from fefinger.mechanics import Mechanics as Mechanics
     from fefinger.mechanics.former_loops import Condensed as Condensed
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from fefinger.mechanics.former_loops import Rolling as Rolling
     from fefinger.mechanics.former_loops import Sliding as Sliding
     from fefinger.mechanics.loop import Loop as Loop
-    from fefinger.mechanics.press.taxel_grid import TaxelGrid as TaxelGrid
+    from fefinger.mechanics.press.tactile_parts import TaxelGrid as TaxelGrid
     from fefinger.mechanics.tactile_finger import TactileFinger as TactileFinger
     from fefinger.mechanics.vibrations import Vibrations as Vibrations
     from fefinger.neural.family import Family as Family
@@ -105,7 +105,7 @@ _HOMES = {
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
     "calibration.rig": ("Rig",),
-    "fem.hyperelastic.check": ("check_law",),
+    "fem.hyperelastic.continuum": ("check_law",),
     "laws": ("Law",),
     "mechanics": ("Mechanics",),
     "support.checks": ("ConvergenceError", "InputError", "Stopped"),
@@ -136,7 +136,7 @@ _HOMES = {
     "studies.receptive_field": ("ReceptiveField", "receptive_field"),
     "studies.study": ("study",),
     "theory.relaxation": ("Prony",),
-    "mechanics.press.taxel_grid": ("TaxelGrid",),
+    "mechanics.press.tactile_parts": ("TaxelGrid",),
     "mechanics.tactile_finger": ("TactileFinger",),
     "mechanics.vibrations": ("Vibrations",),
     "scene.ridges": ("Ridges",),

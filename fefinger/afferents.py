@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fefinger.mechanics.evidence import costs
-from fefinger.mechanics.evidence.unit_counts import units_of
+from fefinger.mechanics.evidence.costs import units_of
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene.innervation import innervation
 from fefinger.scene.population import Disc, Grid, Layout

@@ -2,7 +2,7 @@
 
 W(I1, I2) is the energy of distortion for a shear modulus of 1. The invariants are isochoric, I1 =
 J^(-2/3) tr C and I2 = J^(-4/3) (tr(C)² - tr C²) / 2 of C = F'F; the change of volume has an energy
-of its own. `fem/hyperelastic/stress_kernels.py` alone computes stress and moduli from W. Users add
+of its own. `fem/hyperelastic/material.py` alone computes stress and moduli from W. Users add
 a `Law` by `fefinger.register`.
 """
 

@@ -10,7 +10,7 @@ contact/              time steps at small strain: `frictionless.py`, each solved
                       `march.py` takes any kind of contact through a motion
 fem/                  elements; equilibria at finite strain in `fem/hyperelastic/newton.py`. The
                       displacement gradient at the end organs is a linear map of the displacements,
-                      made in `fem/elements/recovery.py` and applied in `mechanics/press/`:
+                      made in `fem/elements/probe.py` and applied in `mechanics/press/`:
                       response.py, finite_strain.py and tabulated_press.py
 afferents.fire        the spikes of that strain: `neural/recorded_compiled.py`, which
                       `neural/recorded.py` calls, or, of the family `thesis`,

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.contact import signed_distance
 from fefinger.contact.signed_distance import Shapes
-from fefinger.geometry.sampled_distance import grid, sampled_surface
+from fefinger.geometry.surface_repair import grid, sampled_surface
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number, set_number
 from fefinger.theory.contact.stack import Layer, Stack

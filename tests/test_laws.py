@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.fem.hyperelastic.check import uniaxial
+from fefinger.fem.hyperelastic.continuum import uniaxial
 from fefinger.laws import LAWS, Law
 from fefinger.scene import builtin
 from fefinger.support import registry

@@ -67,7 +67,7 @@ ONLY = {
     "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
     "pyvista": (
         *("fefinger.view", "fefinger.geometry.surface_load", "fefinger.geometry.surface_repair"),
-        *("fefinger.geometry.sampled_distance", MADE_SCANS),
+        MADE_SCANS,
     ),
     "vtk": "fefinger.view",
     "numba": "fefinger.support.compiled",

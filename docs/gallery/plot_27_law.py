@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import fefinger as ff
-from fefinger.fem.hyperelastic.check import uniaxial
+from fefinger.fem.hyperelastic.continuum import uniaxial
 
 
 def gent(i1, i2, p):

@@ -18,7 +18,7 @@ from gymnasium.spaces import Box, Dict
 from gymnasium.utils.env_checker import check_env
 
 import fefinger as ff
-from fefinger.view.film import write
+from fefinger.view.pictures import write
 
 
 TYPES = "SAI", "SAII", "FAI", "FAII"

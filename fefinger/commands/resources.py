@@ -63,7 +63,7 @@ def mesh(
 
     Uses the shipped or cached mesh of the finger of SCENE if there is one.
     """
-    from fefinger.mesh import quality, vtu
+    from fefinger.mesh.mesh_record import gate, write
     from fefinger.mesh.store import load_or_build
     from fefinger.scene import builtin
     from fefinger.support.outputs import output_file
@@ -74,9 +74,9 @@ def mesh(
     if picture is not None:
         output_file(picture, "--picture", ".png")
     built = load_or_build(finger, half=not whole, progress=console.remark)
-    quality.gate(built.quality)
+    gate(built.quality)
     if output is not None:
-        vtu.write(built, output)
+        write(built, output)
     if picture is not None:
         from fefinger import view
 

@@ -1,8 +1,10 @@
-"""`fefinger view`: pictures of saved results."""
+"""`fefinger view` and `fefinger live`: pictures of saved results, and a finger in the browser."""
 
 from typing import Any
 
 import click
+
+from fefinger.support.checks import InputError
 
 
 @click.command()
@@ -38,7 +40,8 @@ def view(
     from fefinger.pages import viewer
     from fefinger.result import load
     from fefinger.support.outputs import check_ending, output_file
-    from fefinger.view import film, frames, quantities
+    from fefinger.view import frames, quantities
+    from fefinger.view.pictures import check_film
 
     if field == "list":
         click.echo("\n".join(f"{name}: {quantities.ABOUT[name]}" for name in quantities.FIELDS))
@@ -50,7 +53,7 @@ def view(
         if option in files:
             check_ending(files[option], option, ending)
     if movie is not None:
-        film.check(movie, "--movie")
+        check_film(movie, "--movie")
     span = None if limits is None else quantities.limits(limits)
     results = [load(folder) for folder in folders]
     for folder, result in zip(folders, results, strict=True):
@@ -73,3 +76,43 @@ def view(
         click.echo(path)
     if not files:
         pictures.show(results, time=at, **how)
+
+
+LACKING = (
+    "live: expected the packages of the extra `live`, found none of aiohttp; install them by "
+    "`pip install 'fefinger[live]'`"
+)
+
+
+@click.command()
+@click.option("-o", "output", metavar="DIR", help="Folder for the touches that the page saves.")
+@click.option("--subject", default="a.h.", metavar="NAME", help="Subject of Pawluk (1997).")
+@click.option("--resolution", default="standard", metavar="MESH", help="Mesh: coarse or standard.")
+@click.option("--port", default=0, metavar="N", help="Port; 0 takes a free one.")
+@click.option("--browser/--no-browser", default=True, help="Open the page in the browser.")
+def live(output: str | None, subject: str, resolution: str, port: int, browser: bool) -> None:
+    """Press a finger with the mouse, in a page of the browser.
+
+    Shows pressure, strain and spikes as they are computed, at 1 kHz of the model. Prints the
+    address of the page, which serves this machine alone, and ends with Ctrl-C. What is played can
+    be saved as a scene and its result, under -o.
+    """
+    import asyncio
+
+    from fefinger.live.setup import Setup
+    from fefinger.support.outputs import output_folder
+
+    try:
+        from fefinger.live.server import Server
+    except ModuleNotFoundError as error:
+        if error.name != "aiohttp":
+            raise
+        raise InputError(LACKING) from None
+    setup = Setup(subject=subject)
+    setup.finger(resolution)  # checks the resolution
+    if not 0 <= port < 65536:
+        raise InputError(f"--port: expected a number from 0 to 65535, received {port}")
+    folder = None if output is None else output_folder(output)
+    server = Server(resolution=resolution, output=folder, setup=setup, port=port)
+    click.echo(server.address)
+    asyncio.run(server.serve(browser=browser))

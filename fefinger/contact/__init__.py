@@ -1,7 +1,7 @@
 """Contact of a body of known flexibility through time; needs no mesh.
 
 stepper.py           what every kind of contact offers: a step, its state, its failure
-frictionless.py, frictional.py, rolling.py, inertial.py    the kinds on vertices
+frictionless.py, frictional.py, inertial.py    the kinds on vertices; a rolling plate
 gridded.py           the kind on a periodic grid, solved in grid_solver.py
 march.py             a whole motion of any of them; a loop of one's own calls the same steps
 force_control.py     the depth at which a force is borne

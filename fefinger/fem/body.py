@@ -8,8 +8,7 @@ from scipy import sparse
 
 from fefinger.contact.soft import RIGID, PressingObject
 from fefinger.fem.contact.patch import Patch
-from fefinger.fem.elements.assembly import numbering
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, numbering, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor, prepare
 from fefinger.geometry import mirror

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact.patch import Patch
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect_space

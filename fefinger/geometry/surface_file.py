@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.geometry.crossings import crossings
 from fefinger.geometry.scan_axes import Axes, fingertip_axes
 from fefinger.geometry.scan_fit import SmoothSkin, smooth_skin
-from fefinger.geometry.surface_repair import close, read_welded
+from fefinger.geometry.surface_repair import close, crossings, read_welded
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import check_input

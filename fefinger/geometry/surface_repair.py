@@ -1,4 +1,7 @@
-"""A surface in one piece, closed and oriented outward: repairs of what a scanner leaves."""
+"""A surface in one piece, closed and oriented outward: repairs of what a scanner leaves.
+
+Also the signed distance of such a surface, sampled on a grid.
+"""
 
 from itertools import pairwise
 from pathlib import Path
@@ -7,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.geometry.surface_load import load
-from fefinger.support.arrays import Array, Integers
+from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.inputs import check_input
 
 
 if TYPE_CHECKING:
@@ -220,3 +224,139 @@ def _lid(rim: Array, near: Array, rings: int) -> Array:
         uv = share * flat[:, :2]
         points.insert(0, np.column_stack([uv, terms(uv) @ fit + share**2 * off]))
     return np.asarray(middle + size * np.concatenate(points) @ frame)
+
+
+FOLD = 3
+"""Edges between triangles that cross each other up to which that is a fold of the surface."""
+
+
+def crossings(mesh: "Trimesh") -> Array | None:
+    """Find a self-intersection: a point (3,) where an edge passes through a triangle, or None.
+
+    Triangles that share a vertex, and nearly coplanar ones, do not count; nor do folds between
+    triangles up to FOLD edges apart, which are noise of a scan.
+    """
+    # Of a finger one unit wide: the tolerances of the intersection are absolute.
+    wide = float(np.sort(mesh.extents)[1])
+    faces = mesh.faces
+    corners = ((mesh.vertices - mesh.bounds[0]) / wide)[faces]
+    pairs = _neighbors(corners)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    overlap = (low[pairs[:, 0]] <= high[pairs[:, 1]]) & (low[pairs[:, 1]] <= high[pairs[:, 0]])
+    pairs = pairs[overlap.all(axis=1)]
+    shared = (faces[pairs[:, 0]][:, :, None] == faces[pairs[:, 1]][:, None, :]).any(axis=(1, 2))
+    pairs = pairs[~shared]
+    for one, other in ((0, 1), (1, 0)):
+        edge, plane = corners[pairs[:, one]], corners[pairs[:, other]]
+        for k in range(3):
+            hit = _pierced(edge[:, k], edge[:, (k + 1) % 3], plane)
+            for which in np.flatnonzero(hit):
+                if not _is_fold(mesh, faces[pairs[which, 0]], faces[pairs[which, 1]]):
+                    return np.asarray(mesh.bounds[0] + wide * plane[which].mean(axis=0))
+    return None
+
+
+def _is_fold(mesh: "Trimesh", one: Integers, other: Integers) -> bool:
+    """Whether two triangles (3,) are up to FOLD edges apart along the surface."""
+    edges, reached = mesh.edges, np.zeros(len(mesh.vertices), dtype=bool)
+    reached[one] = True
+    for _ in range(FOLD):
+        reached[edges[reached[edges[:, 0]], 1]] = True
+    return bool(reached[other].any())
+
+
+def _neighbors(corners: Array) -> Integers:
+    """Pairs (k, 2) of triangles (n, 3, 3) that are near enough to meet.
+
+    Sorted by size, so that the few long triangles of a cut end do not make all of them near.
+    """
+    from scipy.spatial import cKDTree
+
+    centers = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
+    octave = np.floor(np.log2(radii.max() / radii)).astype(int)
+    sizes = [np.flatnonzero(octave == one) for one in np.unique(octave)]
+    trees = [cKDTree(centers[members]) for members in sizes]
+    pairs = []
+    for i, members in enumerate(sizes):
+        largest = radii[members].max()
+        same = trees[i].query_pairs(2.0 * largest, output_type="ndarray")
+        pairs.append(members[same])
+        for tree, smaller in zip(trees[i + 1 :], sizes[i + 1 :], strict=True):
+            reach = largest + radii[smaller].max()
+            near = trees[i].sparse_distance_matrix(tree, reach, output_type="ndarray")
+            pairs.append(np.column_stack([members[near["i"]], smaller[near["j"]]]))
+    return np.concatenate(pairs)
+
+
+def _pierced(start: Array, end: Array, triangle: Array) -> Flags:
+    """Whether segments pass through the inside of their triangles: a + first u + second v."""
+    a, b, c = triangle.transpose(1, 0, 2)
+    along, u, v = end - start, b - a, c - a
+    size = np.linalg.norm(along, axis=1) * np.linalg.norm(np.cross(u, v), axis=1)
+    system = np.stack([u, v, -along], axis=2)
+    steep = np.abs(np.linalg.det(system)) > 1e-6 * size
+    system[~steep] = np.eye(3)
+    first, second, place = np.linalg.solve(system, (start - a)[..., None])[..., 0].T
+    small = 1e-9
+    # An edge counts as a part of the triangle: symmetric surfaces cross edge on edge.
+    inside = (first > -small) & (second > -small) & (first + second < 1 + small)
+    return np.asarray(steep & inside & (place > small) & (place < 1 - small))
+
+
+def grid(low: Array, high: Array, pitch: float) -> tuple[Array, tuple[int, int, int]]:
+    """Return the points (n, 3) mm of a grid from one corner to beyond the other, and its shape.
+
+    InputError for more points than fit.
+    """
+    count = np.maximum(np.ceil((high - low) / pitch).astype(int) + 1, 2)
+    most = 20_000_000  # points of a grid, some 80 MB of distances
+    if np.prod(count.astype(float)) > most:
+        raise InputError(
+            f"pitch: expected at most {most:,} points of a grid, received "
+            f"{' x '.join(map(str, count.tolist()))} at {pitch:g} mm; take a coarser pitch",
+            field="pitch",
+        )
+    axes = [corner + pitch * np.arange(n) for corner, n in zip(low, count, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return points, tuple(count.tolist())
+
+
+def sampled_surface(path: str | Path, pitch: float, margin: float) -> tuple[Array, Array]:
+    """Sample the signed distance of a closed surface, on a grid that goes `margin` mm beyond it.
+
+    Returns the distances (nx, ny, nz) mm, negative inside, and the first point (3,) mm.
+
+    Raises InputError if there is no such file, it holds no surface, or the surface is open or
+    inside out.
+    """
+    import pyvista as pv
+    import trimesh
+
+    check_input("mesh", path, "a closed surface in mm, such as an STL file")
+    file = Path(path)
+    try:
+        mesh = trimesh.load_mesh(file)
+        corners, triangles = np.asarray(mesh.vertices, float), np.asarray(mesh.faces)
+    except Exception as error:  # each format fails in its own way
+        message = f"mesh: expected a surface such as an STL, received {file.name}: {error}"
+        raise InputError(message, field="mesh") from error
+    if not len(triangles) or not np.isfinite(corners).all():
+        message = f"mesh: expected triangles with finite corners, received none in {file.name}"
+        raise InputError(message, field="mesh")
+    if not mesh.is_watertight:
+        raise InputError(
+            f"mesh: expected a closed surface, received one with holes in {file.name}; fill them",
+            field="mesh",
+        )
+    if mesh.volume <= 0.0:
+        raise InputError(
+            f"mesh: expected triangles whose normals point outward, received {file.name}, which "
+            "is inside out; turn its triangles",
+            field="mesh",
+        )
+    low, high = mesh.bounds[0] - margin, mesh.bounds[1] + margin
+    points, shape = grid(low, high, pitch)
+    faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+    cloud = pv.PolyData(points).compute_implicit_distance(pv.PolyData(corners, faces))
+    return np.asarray(cloud["implicit_distance"], float).reshape(shape), np.asarray(low)

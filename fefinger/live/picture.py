@@ -18,7 +18,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
 from fefinger.view import figures, frames, quantities, surfaces
 from fefinger.view.drawing import OFF_PLANE
-from fefinger.view.indenter_pose import Pose
+from fefinger.view.frames import Pose
 from fefinger.view.quantities import Span
 
 

@@ -11,7 +11,7 @@ from fefinger.fem.body import solid
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.loop_setup import MECHANICS, PRESSED
-from fefinger.mechanics.press.discretization import needs_continuation, refinement_location
+from fefinger.mechanics.press.mesh_limits import needs_continuation, refinement_location
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Sites

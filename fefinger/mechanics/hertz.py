@@ -14,7 +14,7 @@ import numpy as np
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import axisymmetric, notes
-from fefinger.mechanics.press.limits import through
+from fefinger.mechanics.press.mesh_limits import through
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.time_steps import time_grid, too_long
 from fefinger.mechanics.situation import Situation

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import costs, unit_counts, vibration
+from fefinger.mechanics.evidence import costs, vibration
 from fefinger.mechanics.evidence.stated_errors import StatedError, error_of
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
@@ -288,7 +288,7 @@ def cost(case: Situation) -> float:
     points = grid(case.finger, case.indenter, case.motion, case.ask).points ** 2
     stages = ("point", "gripped") if case.indenter.friction else ("point",)
     spent = steps * points * sum(costs.seconds(ON_A_GRID, stage) for stage in stages)
-    organs = unit_counts.organs(case.ask) if case.ask.population is not None else 0.0
+    organs = costs.organs(case.ask) if case.ask.population is not None else 0.0
     spent += organs * len(case.times) * costs.seconds(ON_A_GRID, "sample")
     return spent + costs.seconds(ON_A_GRID, "setup")
 

@@ -12,10 +12,10 @@ from dataclasses import replace
 from fefinger.laws import LAWS
 from fefinger.mechanics import hertz, layered
 from fefinger.mechanics.evidence import costs
-from fefinger.mechanics.evidence.features import largest_exponents
+from fefinger.mechanics.evidence.presses import largest_exponents
 from fefinger.mechanics.evidence.stated_errors import error_of
 from fefinger.mechanics.press import notes
-from fefinger.mechanics.press.discretization import ALONG, NEAR, gap, refinement_location
+from fefinger.mechanics.press.mesh_limits import ALONG, NEAR, gap, refinement_location
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits

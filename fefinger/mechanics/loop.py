@@ -25,10 +25,9 @@ from fefinger.contact.stepper import Target
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.loop_setup import SUBSTEP, LoopOptions, prepare
-from fefinger.mechanics.press import limits
+from fefinger.mechanics.press import mesh_limits
 from fefinger.mechanics.press.prepared import Precision
-from fefinger.mechanics.press.prepared_rolling import medial_normal
-from fefinger.mechanics.press.tabulated_contact import TabulatedContact
+from fefinger.mechanics.press.prepared_contacts import TabulatedContact, medial_normal
 from fefinger.neural.stepped import SteppedUnits
 from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
@@ -386,7 +385,7 @@ class Loop:
         if outcome == TURNED and self.options.reach is not None:
             return InputError(LEFT.format(*target.shift))
         if outcome == TURNED:
-            return InputError(limits.rim_reached(len(contact.pressure)))
+            return InputError(mesh_limits.rim_reached(len(contact.pressure)))
         if outcome == BEYOND:
             return InputError(TOO_DEEP.format(self.deepest))
         return ConvergenceError(f"{contact.failures[outcome]}; take shorter steps")

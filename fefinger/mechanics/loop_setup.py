@@ -10,13 +10,7 @@ import numpy as np
 from fefinger.fem.contact.obstacle import OwnObstacle
 from fefinger.mechanics import condensed
 from fefinger.mechanics import pressed as finite_strain
-from fefinger.mechanics.press import (
-    elastic_press,
-    prepared,
-    prepared_rolling,
-    tabulated_contact,
-    tabulated_press,
-)
+from fefinger.mechanics.press import elastic_press, prepared, prepared_contacts, tabulated_press
 from fefinger.mechanics.press.notes import (
     elastic_hard_parts_reasons,
     friction_reasons,
@@ -157,7 +151,7 @@ def prepare(options: LoopOptions, stages: Stages) -> Prepared:
     if options.mechanics == MODAL:
         return prepared.inertial(finger, indenter, deepest, *how, options.substep)
     if options.angles is not None:
-        return prepared_rolling.rolled(finger, options.angles, deepest, *how)
+        return prepared_contacts.rolled(finger, options.angles, deepest, *how)
     if options.reach is not None and options.known is not None:
         return prepared.slid(finger, options.known, deepest, options.reach, *how)
     return prepared.pressed(finger, indenter, deepest, *how)
@@ -173,7 +167,7 @@ def _tabulated(options: LoopOptions, stages: Stages) -> Prepared:
     press = Press.of(scene, tabulated_press.METHOD, stages, mechanics=name, notes=notes)
     table = elastic_press.load_or_solve(press, deepest, stages)
     tabulated = tabulated_press.TabulatedPress.of(press, table)
-    return tabulated_contact.prepared(tabulated, deepest, options.sites)
+    return prepared_contacts.prepared(tabulated, deepest, options.sites)
 
 
 def _range(angles: Sequence[float]) -> tuple[float, float]:

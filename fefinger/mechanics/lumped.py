@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import costs, features
+from fefinger.mechanics.evidence import costs, presses
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.evidence.stated_errors import stated
 from fefinger.mechanics.press import notes
-from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.mesh_limits import check_reached
 from fefinger.mechanics.press.notes import Reason, refusals
 from fefinger.mechanics.press.time_steps import MOST_OF_FORCE, time_grid, too_long
 from fefinger.mechanics.situation import Situation
@@ -88,7 +88,7 @@ class LumpedLaw(NamedTuple):
 def law(case: Situation) -> LumpedLaw:
     """Return the law of the finger of a scene, or the law of Table 2.1 with a caveat."""
     finger = case.finger
-    if features.calibrated_subject(finger) is not None:
+    if presses.calibrated_subject(finger) is not None:
         error, evidence = stated(Candidate(name), case)
         evidence = f"{evidence}: Table 2.1 against the finger that was fitted to it"
         return _printed(case, error, evidence)
@@ -148,7 +148,7 @@ def _same(finger: Finger, row: Mapping[str, Any]) -> bool:
     sizes = [finger.width, finger.thickness, finger.pad_radius, contrast, skin]
     names = ("width_mm", "thickness_mm", "pad_radius_mm", "skin_over_subcutaneous", "skin_mm")
     same = np.allclose(sizes, [row[name] for name in names], rtol=SAME)
-    return same and features.published_tissue(finger)
+    return same and presses.published_tissue(finger)
 
 
 def refuse(case: Situation) -> tuple[Refusal, ...]:

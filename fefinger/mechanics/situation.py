@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
-from fefinger.mechanics.evidence import features, presses
-from fefinger.mechanics.evidence.features import Features
-from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.evidence import presses
+from fefinger.mechanics.evidence.presses import Features
+from fefinger.mechanics.press.mesh_limits import refinement_location
 from fefinger.mechanics.press.notes import Reason
 from fefinger.mechanics.press.time_steps import MOST_OF_FORCE, moving, time_grid, too_long
 from fefinger.scene.ask import OUTPUTS, Ask
@@ -108,7 +108,7 @@ class Situation:
     @cached_property
     def as_pressed(self) -> bool:
         """Whether the finger has the form and the bone of those that were pressed."""
-        return features.as_pressed(self.finger)
+        return presses.as_pressed(self.finger)
 
     @cached_property
     def depth_over_thickness(self) -> float:

@@ -22,12 +22,10 @@ from fefinger.contact.signed_distance import Shapes
 from fefinger.mechanics.evidence.tactile_errors import measured_errors
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import operator
-from fefinger.mechanics.press.object_poses import Pose, poses
-from fefinger.mechanics.press.pad_compliance import pad_compliance
+from fefinger.mechanics.press.compliances import kernel, pad_compliance
 from fefinger.mechanics.press.prepared import Precision
-from fefinger.mechanics.press.pressing_object import kernel
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
-from fefinger.mechanics.press.taxel_grid import TaxelGrid
+from fefinger.mechanics.press.tactile_parts import Pose, TaxelGrid, poses
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.results.records import Sites
 from fefinger.results.touch import VERDICTS, Maps, Touch, TouchError

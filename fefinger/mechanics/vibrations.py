@@ -19,9 +19,9 @@ from fefinger.contact.soft import RIGID
 from fefinger.fem.condensation import Operator
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.mechanics.loop_setup import MODAL, LoopOptions, prepare
-from fefinger.mechanics.press.fields import no_fields
 from fefinger.mechanics.press.frequency_response import Vibrating
 from fefinger.mechanics.press.prepared import Prepared
+from fefinger.mechanics.press.response import no_fields
 from fefinger.mesh.store import load_or_build
 from fefinger.results import vtkhdf
 from fefinger.results.harmonic import Harmonic

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, facet_sets
-from fefinger.mesh import smooth, tetrahedralize, vtu
-from fefinger.mesh.finger_shape import Shape, touch_within
-from fefinger.mesh.frame import PATCH_CENTER, PATCH_RADIUS
+from fefinger.mesh import mesh_record, smooth, tetrahedralize
+from fefinger.mesh.finger_shape import PATCH_CENTER, PATCH_RADIUS, Shape, touch_within
+from fefinger.mesh.mesh_record import SCANNED, STRICT, gate, record
 from fefinger.mesh.morph import draft, finished
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import SCANNED, STRICT, gate, record
 from fefinger.mesh.recipe import Recipe, Touch, templates
 from fefinger.mesh.scan import shape_of
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
@@ -85,7 +84,7 @@ def _morphed(shape: Shape, recipe: Recipe, *, name: str, say: Progress) -> Finge
     """Morph shipped meshes, those first that lose least; None if none passes the checks."""
     drafts = []
     for path in templates(recipe.resolution, recipe.touch):
-        template = vtu.read(path)
+        template = mesh_record.read(path)
         with suppress(ConvergenceError):
             source = parametric(Recipe(**template.recipe))
             drafts.append(draft(template, source, shape, recipe.touch))

@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, interfaces, triangle_areas, volumes
 from fefinger.mesh import finger_shape, smooth
 from fefinger.mesh.finger_shape import Shape, touch_within
-from fefinger.mesh.quality import SCANNED, STRICT, gate, record
+from fefinger.mesh.mesh_record import SCANNED, STRICT, gate, record
 from fefinger.mesh.recipe import STRETCH, Recipe, Touch
 from fefinger.mesh.shell import Shell
 from fefinger.support.arrays import Array, Flags, Integers

@@ -6,8 +6,16 @@ from scipy.optimize import brentq
 
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell as surface
-from fefinger.mesh.finger_shape import SAMPLES, Nail, Shape, rounding, smooth
-from fefinger.mesh.frame import ALONG, PLATE, fitted_radii
+from fefinger.mesh.finger_shape import (
+    ALONG,
+    PLATE,
+    SAMPLES,
+    Nail,
+    Shape,
+    fitted_radii,
+    rounding,
+    smooth,
+)
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Shell, Table, Triangles, offset
 from fefinger.support.arrays import Array

@@ -24,8 +24,7 @@ from fefinger.geometry.surface_repair import read_closed
 from fefinger.mesh import finger_shape
 from fefinger.mesh import shell as surface
 from fefinger.mesh.cloud import SPACING, Cloud, smoothed
-from fefinger.mesh.finger_shape import Shape, SmoothSurface
-from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
+from fefinger.mesh.finger_shape import ALONG, PLATE_NORMAL, Shape, SmoothSurface, fitted_radii
 from fefinger.mesh.parametric import parametric, patch_points
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.shell import Shell, Table, Triangles, offset

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
-from fefinger.mesh import vtu
+from fefinger.mesh import mesh_record
 from fefinger.mesh.extend import continuation_source, extended
 from fefinger.mesh.recipe import Recipe, Touch, has_template, shipped_path
 from fefinger.support import cache
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fefinger.mesh.finger_shape import Shape
     from fefinger.scene.finger import Finger
 
-FILE = "mesh.vtu"
+FILE = "mesh.mesh_record"
 """File of a cached mesh, beside its sidecar."""
 
 
@@ -43,7 +43,7 @@ def load_or_build(
     """
     recipe = finger if isinstance(finger, Recipe) else Recipe.of(finger, touch)
     path = shipped_path(recipe)
-    mesh = vtu.read(path) if path else _cached(recipe) or _made(recipe, progress)
+    mesh = mesh_record.read(path) if path else _cached(recipe) or _made(recipe, progress)
     mesh = extended(mesh) if with_continuation else mesh
     return mesh if half else whole(mesh)
 
@@ -104,7 +104,7 @@ def sha256(finger: "Finger", touch: Touch = None, *, with_continuation: bool = F
     That is the SHA-256 of its file, or follows from it for the continued finger.
     """
     recipe = Recipe.of(finger, touch)
-    sidecar = vtu.sidecar_path(shipped_path(recipe) or cached_path(recipe) / FILE)
+    sidecar = mesh_record.sidecar_path(shipped_path(recipe) or cached_path(recipe) / FILE)
     try:
         source = str(json.loads(sidecar.read_text(encoding="utf-8"))["sha256"])
         return continuation_source(source) if with_continuation else source
@@ -120,7 +120,7 @@ def cached_path(recipe: Recipe) -> Path:
 def keep(mesh: FingerMesh, recipe: Recipe) -> None:
     """Write a mesh into the user's cache; OSError or InputError where it cannot be written."""
     with cache.appearing(cached_path(recipe), f"mesh {mesh.name}") as new:
-        vtu.write(mesh, new / FILE)
+        mesh_record.write(mesh, new / FILE)
 
 
 _in_memory: dict[Path, FingerMesh] = {}
@@ -130,7 +130,9 @@ _in_memory: dict[Path, FingerMesh] = {}
 def _cached(recipe: Recipe) -> FingerMesh | None:
     """Read the mesh of a recipe from the cache; None if it is missing or damaged."""
     place = cached_path(recipe)
-    return cache.load(place, lambda folder: vtu.read(folder / FILE)) or _in_memory.get(place)
+    return cache.load(place, lambda folder: mesh_record.read(folder / FILE)) or _in_memory.get(
+        place
+    )
 
 
 def _made(recipe: Recipe, progress: Callable[[str], None] | None) -> FingerMesh:

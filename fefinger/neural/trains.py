@@ -409,9 +409,9 @@ class SpikeTrains:
         InputError
             Fields that NWB does not have, or a resolution that is not above 0.
         """
-        from fefinger.neural import nwb
+        from fefinger.neural import train_files
 
-        recorded = nwb.Recorded(
+        recorded = train_files.Recorded(
             times=self.times,
             table=self.units_to_pandas(),
             span=(self.t_start, self.t_stop),
@@ -421,7 +421,7 @@ class SpikeTrains:
             notes=[*self.notes, f"seed: {self.seed}", f"trial: {self.trial}"],
             source=str(_provenance(self)["source"]),
         )
-        nwb.write(
+        train_files.write_nwb(
             *(path, recorded),
             description=description,
             started=started,

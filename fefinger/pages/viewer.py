@@ -22,7 +22,7 @@ from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.atomic_write import moved
-from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
+from fefinger.view import figures, frames, quantities, surfaces
 from fefinger.view.drawing import (
     Drawing,
     Marks,
@@ -144,7 +144,7 @@ def _scene(drawn: Drawing, blob: Blob) -> Json:
         "linePoints": blob.add([lines.at(each) for each in moved], "f4"),
         "organs": _organs(drawn.marks, fields, blob),
         "units": _organs(marks_on_skin(result), fields, blob),
-        "indenter": surface(indenter_pose.pose(result, 0.0), blob),
+        "indenter": surface(frames.pose(result, 0.0), blob),
     }
 
 
@@ -208,7 +208,7 @@ def _organs(shown: Marks | None, fields: Fields, blob: Blob) -> Json | None:
     }
 
 
-def surface(pose: indenter_pose.Pose, blob: Blob) -> Json:
+def surface(pose: frames.Pose, blob: Blob) -> Json:
     """Return the surface of an indenter at first touch, and its direction of travel."""
     count = 2 if pose.profile.plane else GRID
     line = np.linspace(-1, 1, count)

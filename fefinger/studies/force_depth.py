@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.scene.motion import Motion
-from fefinger.studies.columns import MISSED
+from fefinger.studies.grid import MISSED
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.vocabulary import Control
 

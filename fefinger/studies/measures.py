@@ -14,7 +14,7 @@ from fefinger.geometry.profiles import directions
 from fefinger.mechanics.evidence.stated_errors import at_force
 from fefinger.mechanics.hertz import tissue
 from fefinger.mechanics.situation import Situation
-from fefinger.mesh.first_touch import FirstTouch, first_touch
+from fefinger.mesh.extend import FirstTouch, first_touch
 from fefinger.mesh.recipe import Recipe
 from fefinger.plan import choose, settled
 from fefinger.result import Result
@@ -24,7 +24,6 @@ from fefinger.results.records import Pad, Rung
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
-from fefinger.studies.columns import ERRORS, Row
 from fefinger.studies.force_depth import (
     SAME,
     NamedTime,
@@ -35,6 +34,7 @@ from fefinger.studies.force_depth import (
     stiffness,
     until,
 )
+from fefinger.studies.grid import ERRORS, Row
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.hertz import LONGEST, Elliptic

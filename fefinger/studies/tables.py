@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fefinger.pages.page import flat
 from fefinger.scene.field_units import split
-from fefinger.studies.columns import MEASURES, MISSED, meaning
+from fefinger.studies.grid import MEASURES, MISSED, meaning
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import read_json

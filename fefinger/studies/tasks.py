@@ -13,8 +13,7 @@ from typing import Any
 
 from fefinger.scene.builtin import given
 from fefinger.scene.scene import Scene
-from fefinger.studies.columns import MISSED, Row
-from fefinger.studies.grid import EACH, parse_at, product
+from fefinger.studies.grid import EACH, MISSED, Row, parse_at, product
 from fefinger.support import VERSION, atomic_write, processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.inputs import read_json

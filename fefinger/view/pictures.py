@@ -1,17 +1,24 @@
-"""Pictures and films of a Result in files, and the picture of a mesh."""
+"""Pictures and films of a Result in files, and the picture of a mesh.
 
-from collections.abc import Iterator, Sequence
+Films are GIF by Pillow, MP4 by the extra `film` (imageio-ffmpeg).
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
 from fefinger.support.atomic_write import moved
-from fefinger.view import figures, film, frames, quantities, renderer, surfaces
+from fefinger.support.checks import InputError
+from fefinger.view import figures, frames, quantities, renderer, surfaces
 from fefinger.view.drawing import colors, drawing, highest_rate, titles
 from fefinger.view.plot3d import FingerActor, Prop, Scales
 from fefinger.view.quantities import round_up
@@ -19,6 +26,62 @@ from fefinger.view.quantities import round_up
 
 if TYPE_CHECKING:
     from pyvista import Plotter
+
+
+Picture = NDArray[np.uint8]
+
+
+def check_film(path: str | PathLike[str], option: str) -> None:
+    """Raise InputError of `option` unless a film can be written to `path`, a GIF or MP4 file."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".gif", ".mp4"):
+        raise InputError(
+            f"{option}: expected a file that ends in .gif or .mp4, received {Path(path).name!r}"
+        )
+    if suffix == ".mp4":
+        try:
+            from imageio_ffmpeg import get_ffmpeg_exe
+
+            get_ffmpeg_exe()
+        except (ImportError, RuntimeError):
+            raise InputError(
+                f"{option}: an MP4 needs imageio-ffmpeg, which is not there; "
+                "run `pip install 'fefinger[film]'`, or name a file that ends in .gif"
+            ) from None
+
+
+def write(path: str | PathLike[str], pictures: Iterable[Picture], fps: float) -> None:
+    """Write pictures (height, width, 3) to a GIF or MP4 file, which appears when it is complete."""
+    check_film(path, "film")
+    with moved(Path(path)) as new:
+        (_gif if new.suffix.lower() == ".gif" else _mp4)(new, pictures, fps)
+
+
+def _gif(path: Path, pictures: Iterable[Picture], fps: float) -> None:
+    """Write a GIF with one palette for all pictures, so that colors do not change in time."""
+    from PIL import Image
+
+    every = [Image.fromarray(picture) for picture in pictures]
+    some = Image.fromarray(np.concatenate([np.asarray(p)[::2, ::2] for p in every[::4]]))
+    # MAXCOVERAGE keeps rare colors, such as the ends of the color bars.
+    palette = some.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1)
+    # Dithered: 256 colors for three color maps and their shades would show as bands.
+    first, *others = [p.quantize(palette=palette) for p in every]
+    duration = round(1000 / fps)
+    first.save(path, save_all=True, append_images=others, duration=duration, loop=0)
+
+
+def _mp4(path: Path, pictures: Iterable[Picture], fps: float) -> None:
+    """Write an MP4 (H.264) that browsers play; its sides are cut to even numbers of pixels."""
+    from imageio_ffmpeg import write_frames
+
+    rest = iter(pictures)
+    first = next(rest)
+    height, width = (2 * (side // 2) for side in first.shape[:2])
+    with closing(write_frames(str(path), (width, height), fps=fps, macro_block_size=2)) as writer:
+        writer.send(None)
+        for picture in chain([first], rest):
+            writer.send(np.ascontiguousarray(picture[:height, :width]))
 
 
 BARS = 260  # pixels of width of the color bars
@@ -168,10 +231,10 @@ def movie(
     Arguments as of `screenshot`. Every picture shows its time, as times are not evenly
     spaced.
     """
-    film.check(path, "--movie")
+    check_film(path, "--movie")
     plotter, actors = _actors(frames.requested(results, field), field, limits, folders)
 
-    def pictures() -> Iterator[film.Picture]:
+    def pictures() -> Iterator[Picture]:
         for time in stored_times(actors):
             for actor in actors:
                 actor.at(float(time))
@@ -180,7 +243,7 @@ def movie(
         yield from [picture] * REST
 
     try:
-        film.write(path, pictures(), FPS)
+        write(path, pictures(), FPS)
     finally:
         plotter.close()
 

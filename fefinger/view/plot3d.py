@@ -9,7 +9,7 @@ import numpy as np
 from fefinger.neural.trains import FEW
 from fefinger.support.arrays import Array
 from fefinger.support.checks import choice
-from fefinger.view import figures, frames, indenter_pose, quantities, surfaces
+from fefinger.view import figures, frames, quantities, surfaces
 from fefinger.view.drawing import Drawing, Marks, leader_order
 
 
@@ -309,7 +309,7 @@ class FingerActor:
     def _add_indenter(self) -> None:
         """Add the indenter: transparent, or only the rim of a plate or ball before a whole pad."""
         result = self.shown.result
-        touch, texture = indenter_pose.pose(result, 0.0), indenter_pose.texture(result)
+        touch, texture = frames.pose(result, 0.0), frames.texture(result)
         drawn = touch if texture is None else texture.first
         shape = _shape(drawn).translate(-CLEAR * touch.axis)
         if not self.shown.whole:
@@ -345,7 +345,7 @@ def _bring_forward(mapper: "DataSetMapper") -> None:
     mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -66000)
 
 
-def _shape(pose: indenter_pose.Pose) -> "DataSet":
+def _shape(pose: frames.Pose) -> "DataSet":
     """Return the surface of an indenter."""
     import pyvista as pv
 

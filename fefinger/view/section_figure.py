@@ -13,7 +13,7 @@ from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.trains import FEW
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
-from fefinger.view import figures, frames, indenter_pose, quantities
+from fefinger.view import figures, frames, quantities
 from fefinger.view.drawing import OFF_PLANE, leader_order
 
 
@@ -105,7 +105,7 @@ def medial(result: ResultRecord, field: str, frame: int) -> Medial:
     places = (rest + moved)[:, [0, 2]]
     time = float(fields.times[frame])
     depth = float(np.interp(time, result.time, result.depth))
-    pose = indenter_pose.pose(result, depth, time)
+    pose = frames.pose(result, depth, time)
     soft = cut.region != BONE
     return Medial(
         places=places,

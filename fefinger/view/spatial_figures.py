@@ -23,7 +23,7 @@ from fefinger.view.figures import (
     palmar_triangles,
     style,
 )
-from fefinger.view.indenter_pose import pose
+from fefinger.view.frames import pose
 
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fefinger.geometry import finger_mesh, mirror
-from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, volumes
-from fefinger.geometry.locate import inside_weights
+from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, inside_weights, volumes
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.view import frames

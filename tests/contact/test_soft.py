@@ -14,7 +14,7 @@ from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.soft import ElasticObject, SoftContact
 from fefinger.contact.stepper import Target
 from fefinger.fem.contact.patch import trace_of
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.theory.contact import indentation, ting
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.stack import Layer, Stack, moment

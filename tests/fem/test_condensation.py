@@ -9,15 +9,15 @@ import fefinger as ff
 from fefinger.fem import condensation
 from fefinger.fem.body import Body, body, prescribed, reduce, solid
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.probe import strain_at
-from fefinger.mechanics.press import materials, placement
+from fefinger.mechanics.press import placement, problem
 from fefinger.mesh.store import load_or_build
 from fefinger.support.checks import InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
-TISSUES = materials.tissues(FINGER)
+TISSUES = problem.tissues(FINGER)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def parts() -> tuple[condensation.Compliance, condensation.Compliance]:
     """Return the even and the odd compliance of the half."""
     mesh = load_or_build(FINGER, half=True)
     own = solid(mesh, TISSUES)
-    held = materials.fixed_facets(FINGER)
+    held = problem.fixed_facets(FINGER)
     even, odd = (
         condensation.condense(own, TISSUES, prescribed(own, mesh, held, odd=odd))
         for odd in (False, True)
@@ -37,7 +37,7 @@ def parts() -> tuple[condensation.Compliance, condensation.Compliance]:
 def both(request: pytest.FixtureRequest, parts: tuple) -> tuple[Body, condensation.Operator]:
     """Return a factored body and its operator."""
     half = request.param == "half"
-    exact = body(load_or_build(FINGER, half=half), TISSUES, materials.fixed_facets(FINGER))
+    exact = body(load_or_build(FINGER, half=half), TISSUES, problem.fixed_facets(FINGER))
     own = solid(load_or_build(FINGER, half=True), TISSUES)
     if half:
         pieces = [condensation.Part(parts[0], sparse.eye(own.space.n_unknowns, format="csr"), 1.0)]
@@ -99,7 +99,7 @@ def test_a_load_beyond_the_palmar_part_is_refused(both: tuple) -> None:
 
 @pytest.mark.parametrize("poisson", [(0.5, 0.48), (0.499999, 0.5)])
 def test_an_incompressible_body_is_reduced_as_well(poisson: tuple[float, float]) -> None:
-    mesh, held = load_or_build(FINGER, half=True), materials.fixed_facets(FINGER)
+    mesh, held = load_or_build(FINGER, half=True), problem.fixed_facets(FINGER)
     stiff = {1: Elastic(80.0, poisson[0]), 2: Elastic(34.0, poisson[1])}
     exact = body(mesh, stiff, held)
     even = condensation.condense(exact, stiff, prescribed(exact, mesh, held))

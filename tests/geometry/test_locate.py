@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from fefinger.geometry.locate import around, barycentric, inside_weights, locate
+from fefinger.geometry.finger_mesh import around, barycentric, inside_weights, locate
 
 
 RNG = np.random.default_rng(2)

@@ -11,8 +11,8 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
-from fefinger.geometry.crossings import crossings
 from fefinger.geometry.surface_file import read_surface
+from fefinger.geometry.surface_repair import crossings
 from fefinger.mesh import shell as surface
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe

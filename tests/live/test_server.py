@@ -12,8 +12,8 @@ import pytest
 
 aiohttp = pytest.importorskip("aiohttp")  # before what imports it: the extra may be missing
 
-from fefinger.commands.live import live  # noqa: E402
-from fefinger.live import messages, session  # noqa: E402
+from fefinger.commands.view import live  # noqa: E402
+from fefinger.live import session  # noqa: E402
 from fefinger.live.player import Player  # noqa: E402
 from fefinger.live.server import Server  # noqa: E402
 from fefinger.live.setup import Setup  # noqa: E402
@@ -192,7 +192,7 @@ def test_a_wrong_message_gets_a_sentence_and_the_finger_goes_on() -> None:
 )
 def test_messages_are_checked(text: str, about: str) -> None:
     with pytest.raises(InputError, match=about):
-        messages.parse(text)
+        session.parse(text)
 
 
 def test_a_session_keeps_time_and_pauses(loop: Loop, monkeypatch: pytest.MonkeyPatch) -> None:

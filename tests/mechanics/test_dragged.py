@@ -10,8 +10,7 @@ import fefinger as ff
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.mechanics import linear, pressed, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.materials import materials
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, materials
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
 from fefinger.support.checks import InputError

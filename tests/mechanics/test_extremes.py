@@ -10,21 +10,21 @@ from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import Body, body, reduce
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.probe import strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
 from fefinger.mechanics import linear
 from fefinger.mechanics import solid as finite
-from fefinger.mechanics.press import materials, placement
-from fefinger.mechanics.press.discretization import refinement_location
+from fefinger.mechanics.press import placement, problem
+from fefinger.mechanics.press.mesh_limits import refinement_location
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.support.checks import ConvergenceError, InputError
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
-HELD = materials.fixed_facets(FINGER)
+HELD = problem.fixed_facets(FINGER)
 DEPTH = 0.6
 
 

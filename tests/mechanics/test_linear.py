@@ -9,7 +9,7 @@ import pytest
 import fefinger as ff
 from fefinger.afferents import fire
 from fefinger.mechanics import linear
-from fefinger.mechanics.evidence.features import largest_exponents
+from fefinger.mechanics.evidence.presses import largest_exponents
 from fefinger.mechanics.press import problem, small_strain, time_steps
 from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response

@@ -9,7 +9,7 @@ from fefinger.validation.problems import published
 
 from fefinger import mechanics, plan
 from fefinger.mechanics import situation
-from fefinger.mechanics.evidence.features import Features
+from fefinger.mechanics.evidence.presses import Features
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import builtin

@@ -13,7 +13,7 @@ from fefinger.contact.coulomb import CoulombSolver
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.loop import Loop
-from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.mesh_limits import check_reached
 from fefinger.mechanics.situation import Situation
 from fefinger.results import netcdf
 from fefinger.support.checks import InputError

@@ -13,7 +13,7 @@ from fefinger.validation.problems.cube import cube
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target

@@ -12,8 +12,8 @@ from fefinger.geometry.finger_mesh import FACETS, FingerMesh, volumes
 from fefinger.mesh import smooth, tetrahedralize
 from fefinger.mesh.build import SETTINGS, build, sizes
 from fefinger.mesh.finger_shape import touch_point, touch_within
+from fefinger.mesh.mesh_record import dihedral_angles, gate, measure
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import dihedral_angles, gate, measure
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.checks import ConvergenceError

@@ -7,15 +7,15 @@ from refusals import refused
 
 from fefinger.geometry.finger_mesh import FingerMesh, parts, volumes
 from fefinger.geometry.mirror import whole
-from fefinger.mesh import extend, vtu
-from fefinger.mesh.quality import dihedral_angles
+from fefinger.mesh import extend, mesh_record
+from fefinger.mesh.mesh_record import dihedral_angles
 from fefinger.mesh.recipe import data_folder
 
 
 @pytest.fixture(scope="module", params=["dp-coarse", "ah-at-0-coarse", "pw-calibrated-standard"])
 def pair(request: pytest.FixtureRequest) -> tuple[FingerMesh, FingerMesh]:
     """Return a shipped mesh and the continued one."""
-    mesh = vtu.read(data_folder() / f"{request.param}.vtu")
+    mesh = mesh_record.read(data_folder() / f"{request.param}.vtu")
     return mesh, extend.extended(mesh)
 
 

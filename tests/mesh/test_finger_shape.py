@@ -8,8 +8,7 @@ from oracles.solids import section_volume
 from scipy.spatial import cKDTree
 
 from fefinger.mesh import shell as surface
-from fefinger.mesh.finger_shape import Shape
-from fefinger.mesh.frame import ALONG, PLATE_NORMAL, fitted_radii
+from fefinger.mesh.finger_shape import ALONG, PLATE_NORMAL, Shape, fitted_radii
 from fefinger.mesh.parametric import parametric, patch_points, radii
 from fefinger.mesh.recipe import Recipe
 from fefinger.scene.finger import Finger

@@ -8,8 +8,8 @@ import fefinger as ff
 from fefinger.fem.body import solid
 from fefinger.geometry.profiles import directions, frame
 from fefinger.mechanics.press import placement
+from fefinger.mesh.extend import _shape, first_touch
 from fefinger.mesh.finger_shape import palm
-from fefinger.mesh.first_touch import _shape, first_touch
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.store import load_or_build, mesh_problem
 from fefinger.scene.indenter import direction

@@ -8,11 +8,11 @@ from oracles.solids import section_volume
 from scipy.spatial import cKDTree
 
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, volumes
-from fefinger.mesh import build, morph, smooth, vtu
+from fefinger.mesh import build, mesh_record, morph, smooth
 from fefinger.mesh import shell as surface
 from fefinger.mesh.finger_shape import Shape
+from fefinger.mesh.mesh_record import MIN_DIHEDRAL, dihedral_angles
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import MIN_DIHEDRAL, dihedral_angles
 from fefinger.mesh.recipe import Recipe, data_folder, has_template, shipped_path
 from fefinger.mesh.smooth import supports
 from fefinger.mesh.store import load_or_build
@@ -31,7 +31,7 @@ NEW = {
 
 
 def shipped(name: str) -> tuple[FingerMesh, Shape]:
-    mesh = vtu.read(data_folder() / f"{name}.vtu")
+    mesh = mesh_record.read(data_folder() / f"{name}.vtu")
     return mesh, parametric(Recipe(**mesh.recipe))
 
 

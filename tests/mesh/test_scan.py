@@ -12,10 +12,9 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mesh import shell as surface
 from fefinger.mesh.build import build
 from fefinger.mesh.cloud import Cloud, smoothed
-from fefinger.mesh.finger_shape import Shape
-from fefinger.mesh.frame import ALONG, PLATE_NORMAL
+from fefinger.mesh.finger_shape import ALONG, PLATE_NORMAL, Shape
+from fefinger.mesh.mesh_record import gate
 from fefinger.mesh.parametric import parametric
-from fefinger.mesh.quality import gate
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.scan import scanned
 from fefinger.mesh.shell import Shell

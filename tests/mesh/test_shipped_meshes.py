@@ -6,17 +6,16 @@ from fefinger.validation.calibration.report import rows
 from oracles.solids import assert_closed, enclosed, section_volume
 
 from fefinger.geometry.finger_mesh import BONE, FingerMesh, faces, volumes
-from fefinger.mesh import vtu
-from fefinger.mesh.finger_shape import Shape, touch_point
-from fefinger.mesh.frame import PATCH_RADIUS, PLATE_NORMAL
-from fefinger.mesh.parametric import parametric, radii
-from fefinger.mesh.quality import (
+from fefinger.mesh import mesh_record
+from fefinger.mesh.finger_shape import PATCH_RADIUS, PLATE_NORMAL, Shape, touch_point
+from fefinger.mesh.mesh_record import (
     MIN_DIHEDRAL,
     STRICT,
     dihedral_angles,
     gate,
     measured_radii,
 )
+from fefinger.mesh.parametric import parametric, radii
 from fefinger.mesh.recipe import Recipe, data_folder
 from fefinger.support.arrays import Integers
 
@@ -27,7 +26,7 @@ NAMES = sorted(path.stem for path in data_folder().glob("*.vtu"))
 @pytest.fixture(scope="module", params=NAMES)
 def mesh(request: pytest.FixtureRequest) -> FingerMesh:
     """Return each shipped mesh."""
-    return vtu.read(data_folder() / f"{request.param}.vtu")
+    return mesh_record.read(data_folder() / f"{request.param}.vtu")
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +46,7 @@ def test_subjects_have_coarse_and_standard_meshes_and_one_has_a_fine_one() -> No
 def test_calibrated_fingers_have_the_meshes_they_were_fitted_on(subject: str) -> None:
     report = rows()[f"{subject[0]}.{subject[1]}."]["calibration"]["finger"]
     for mesh in ("coarse", "standard"):
-        recipe = vtu.read(data_folder() / f"{subject}-calibrated-{mesh}.vtu").recipe
+        recipe = mesh_record.read(data_folder() / f"{subject}-calibrated-{mesh}.vtu").recipe
         assert recipe["pad_radius"] == report["pad_radius"]
 
 

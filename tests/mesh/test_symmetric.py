@@ -7,14 +7,14 @@ from refusals import refused
 
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.geometry.mirror import whole
-from fefinger.mesh import vtu
+from fefinger.mesh import mesh_record
 from fefinger.mesh.recipe import data_folder
 
 
 @pytest.fixture(scope="module")
 def half() -> FingerMesh:
     """Return the smallest shipped half."""
-    return vtu.read(data_folder() / "ah-coarse.vtu")
+    return mesh_record.read(data_folder() / "ah-coarse.vtu")
 
 
 def test_volume_doubles_in_every_region_and_cells_stay_positive(half: FingerMesh) -> None:

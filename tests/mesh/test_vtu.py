@@ -13,7 +13,7 @@ from damage import flip
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
-from fefinger.mesh import store, vtu
+from fefinger.mesh import mesh_record, store
 from fefinger.mesh.recipe import Recipe, data_folder
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
@@ -22,7 +22,7 @@ from fefinger.support.checks import InputError
 @pytest.fixture(scope="module")
 def mesh() -> FingerMesh:
     """Return the smallest shipped half."""
-    return vtu.read(data_folder() / "ah-coarse.vtu")
+    return mesh_record.read(data_folder() / "ah-coarse.vtu")
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def builds(mesh: FingerMesh, monkeypatch: pytest.MonkeyPatch) -> list[FingerMesh
 @pytest.mark.parametrize("make", [lambda mesh: mesh, whole], ids=["half", "whole"])
 def test_round_trip_is_exact(mesh: FingerMesh, tmp_path: Path, make) -> None:
     given = make(mesh)
-    back = vtu.read(vtu.write(given, tmp_path / "deep" / "finger.vtu"))
+    back = mesh_record.read(mesh_record.write(given, tmp_path / "deep" / "finger.vtu"))
     for name in ("points", "cells", "region", "pad_normals"):
         # exact: a file keeps every bit
         assert np.array_equal(getattr(back, name), getattr(given, name)), name
@@ -60,23 +60,23 @@ def test_round_trip_is_exact(mesh: FingerMesh, tmp_path: Path, make) -> None:
 
 
 def test_nothing_temporary_is_left_behind(mesh: FingerMesh, tmp_path: Path) -> None:
-    vtu.write(mesh, tmp_path / "finger.vtu")
+    mesh_record.write(mesh, tmp_path / "finger.vtu")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["finger.json", "finger.vtu"]
 
 
 def test_changed_mesh_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
-    path = vtu.write(mesh, tmp_path / "finger.vtu")
+    path = mesh_record.write(mesh, tmp_path / "finger.vtu")
     path.write_bytes(path.read_bytes() + b"\n")
     with pytest.raises(InputError, match=r"expected .*finger\.vtu to have the hash"):
-        vtu.read(path)
+        mesh_record.read(path)
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".json"])
 def test_missing_part_is_named(mesh: FingerMesh, tmp_path: Path, suffix: str) -> None:
-    path = vtu.write(mesh, tmp_path / "finger.vtu")
+    path = mesh_record.write(mesh, tmp_path / "finger.vtu")
     path.with_suffix(suffix).unlink()
     with pytest.raises(InputError, match=rf"expected the file .*finger\{suffix}"):
-        vtu.read(path)
+        mesh_record.read(path)
 
 
 @pytest.mark.parametrize(
@@ -91,10 +91,10 @@ def test_missing_part_is_named(mesh: FingerMesh, tmp_path: Path, suffix: str) ->
 def test_a_sidecar_of_something_else_is_refused(
     mesh: FingerMesh, tmp_path: Path, text: str, said: str
 ) -> None:
-    path = vtu.write(mesh, tmp_path / "finger.vtu")
+    path = mesh_record.write(mesh, tmp_path / "finger.vtu")
     path.with_suffix(".json").write_text(text)
     with pytest.raises(InputError, match=said):
-        vtu.read(path)
+        mesh_record.read(path)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}"])
@@ -108,11 +108,11 @@ def test_hash_in_a_damaged_sidecar_counts_as_none(no_cache: Path, text: str) -> 
 
 def test_other_suffix_is_refused(mesh: FingerMesh, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"ends in \.vtu, received 'finger\.stl'"):
-        vtu.write(mesh, tmp_path / "finger.stl")
+        mesh_record.write(mesh, tmp_path / "finger.stl")
 
 
 def test_sidecar_says_recipe_versions_and_quality(mesh: FingerMesh, tmp_path: Path) -> None:
-    path = vtu.write(mesh, tmp_path / "finger.vtu")
+    path = mesh_record.write(mesh, tmp_path / "finger.vtu")
     sidecar = json.loads(path.with_suffix(".json").read_text())
     assert sidecar["recipe"] == mesh.recipe
     assert {"pytetwild", "fefinger"} <= set(sidecar["versions"])
@@ -150,7 +150,7 @@ def test_new_mesh_is_built_once_and_cached(
         assert np.array_equal(store.load_or_build(recipe, half=True).points, mesh.points)
     assert calls == [recipe]
     (place,) = (no_cache / "meshes").iterdir()
-    for number, name in enumerate(("mesh.vtu", "mesh.json"), start=2):
+    for number, name in enumerate(("mesh.mesh_record", "mesh.json"), start=2):
         flip(place / name)
         found = store.load_or_build(recipe, half=True)
         np.testing.assert_allclose(found.points, mesh.points, rtol=1e-12)

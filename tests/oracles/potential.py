@@ -3,7 +3,7 @@
 import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
-from fefinger.fem.hyperelastic.stress_kernels import PAIRS
+from fefinger.fem.hyperelastic.material import PAIRS
 from fefinger.support.arrays import Array
 
 

@@ -12,7 +12,7 @@ import pytest
 from fefinger.pages import viewer
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.textured import Grating
-from fefinger.view import frames, indenter_pose, quantities, surfaces
+from fefinger.view import frames, quantities, surfaces
 
 
 def page(results, folder, **options):
@@ -99,7 +99,7 @@ def test_rates_end_organs_and_other_indenters_are_in_it(synthetic, tmp_path):
     assert record["rate"] >= rates.max()
     assert record["time"] == 2.5
     front = read(blob, shown["indenter"]["points"]).reshape(-1, 3)
-    pose = indenter_pose.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
+    pose = frames.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
     assert np.ptp(front @ pose.axis) == pytest.approx(0.8, rel=0.05)
 
 

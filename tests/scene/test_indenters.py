@@ -10,7 +10,7 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
-from fefinger.geometry.height_map import MOST
+from fefinger.geometry.raster import MOST
 from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics.situation import Situation
 from fefinger.pages.report import _touch
@@ -19,7 +19,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.toml import MOTIONS
 from fefinger.support.checks import InputError
-from fefinger.view import indenter_pose
+from fefinger.view import frames
 
 
 LINE = tuple(np.linspace(-6, 6, 25).tolist())
@@ -313,7 +313,7 @@ def test_an_object_reaches_its_depth_and_is_described(
     result = dataclasses.replace(
         synthetic, scene=dataclasses.replace(synthetic.scene, indenter=indenter)
     )
-    pose = indenter_pose.pose(result, 1.5)
+    pose = frames.pose(result, 1.5)
     outline = pose.outline(5.0)
     assert len(outline) > 100
     assert np.isfinite(outline).all()

@@ -12,7 +12,7 @@ from scipy.interpolate import RectBivariateSpline
 
 import fefinger as ff
 from fefinger.geometry.profiles import Relief, flank_of, sharpest_radius, smooth_step
-from fefinger.mechanics.press.limits import rim_reached
+from fefinger.mechanics.press.mesh_limits import rim_reached
 from fefinger.scene.texts import cells
 from fefinger.support.checks import InputError
 

@@ -12,7 +12,7 @@ from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.population import LAYOUTS
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.scene.toml import MOTIONS
-from fefinger.studies.columns import words
+from fefinger.studies.grid import words
 from fefinger.theory.relaxation import Prony
 
 

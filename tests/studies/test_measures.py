@@ -14,7 +14,7 @@ from fefinger.results import pressure
 from fefinger.scene.field_units import split
 from fefinger.scene.population import Scatter
 from fefinger.studies import study_page
-from fefinger.studies.columns import ERRORS, bounds, words
+from fefinger.studies.grid import ERRORS, bounds, words
 from fefinger.studies.measures import SPEED, rows, share
 from fefinger.theory.contact.hertz import Elliptic
 from fefinger.theory.relaxation import Prony

@@ -3,7 +3,7 @@
 import pytest
 
 from fefinger.commands import study as command
-from fefinger.studies import study_figures as figures
+from fefinger.studies import study_page as figures
 from fefinger.studies import study_page as report
 from fefinger.studies.grid import MESH, remarks
 from fefinger.studies.study import Study

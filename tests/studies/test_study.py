@@ -21,8 +21,7 @@ from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
 from fefinger.scene.field_units import column
 from fefinger.studies import tasks
-from fefinger.studies.columns import meaning
-from fefinger.studies.grid import parse_at, parse_over, product
+from fefinger.studies.grid import meaning, parse_at, parse_over, product
 from fefinger.studies.measures import rows
 from fefinger.studies.tables import StudyRows
 from fefinger.support.checks import InputError

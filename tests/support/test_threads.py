@@ -7,7 +7,7 @@ import pytest
 from fefinger.validation.problems.grids import box
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.linalg import multifrontal_indefinite

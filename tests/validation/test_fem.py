@@ -10,7 +10,7 @@ from fefinger.validation.problems.grids import box
 from fefinger.validation.problems.peers import PEERS
 from fefinger.validation.problems.quarter import Indenter, half_space_field, turned
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 
 
 @pytest.fixture(scope="module")

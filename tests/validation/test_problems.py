@@ -11,7 +11,7 @@ from scipy import special
 
 from fefinger.contact.grid_solver import GridSolver
 from fefinger.contact.stepper import Target
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.scene.inertia import DENSITY
 from fefinger.support.checks import ConvergenceError

@@ -8,7 +8,7 @@ import pytest
 from fefinger.geometry.profiles import Ellipsoid as Ball
 from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
-from fefinger.view import frames, indenter_pose, surfaces
+from fefinger.view import frames, surfaces
 
 
 def test_the_whole_finger_is_the_half_and_its_mirror_image(synthetic):
@@ -52,7 +52,7 @@ def area(points, triangles):
 def test_an_indenter_reaches_its_depth_and_no_farther(synthetic, indenter):
     scene = dataclasses.replace(synthetic.scene, indenter=indenter)
     result = dataclasses.replace(synthetic, scene=scene)
-    first, pressed = indenter_pose.pose(result, 0.0), indenter_pose.pose(result, 1.5)
+    first, pressed = frames.pose(result, 0.0), frames.pose(result, 1.5)
     assert pressed.origin - first.origin == pytest.approx(1.5 * first.axis)
     outline = first.outline(20.0)
     ahead = outline @ first.axis[[0, 2]]
@@ -64,7 +64,7 @@ def test_an_indenter_reaches_its_depth_and_no_farther(synthetic, indenter):
 
 def test_a_sphere_beside_the_medial_plane_shows_a_smaller_circle(synthetic):
     scene = dataclasses.replace(synthetic.scene, indenter=Sphere(5.0, at=(-3.0, 2.0)))
-    pose = indenter_pose.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
+    pose = frames.pose(dataclasses.replace(synthetic, scene=scene), 0.0)
     outline = pose.outline(20.0)
     center = pose.origin - 5.0 * pose.axis
     radius = np.linalg.norm(outline - center[[0, 2]], axis=1)
@@ -74,7 +74,7 @@ def test_a_sphere_beside_the_medial_plane_shows_a_smaller_circle(synthetic):
 
 
 def test_a_ball_has_no_place_beside_it():
-    ball = indenter_pose.Pose(np.zeros(3), np.array([0.0, 0.0, 1.0]), Ball((2.0, 2.0, 2.0)))
+    ball = frames.Pose(np.zeros(3), np.array([0.0, 0.0, 1.0]), Ball((2.0, 2.0, 2.0)))
     places = ball.places(np.array([[0.0, 0.0], [1.0, 0.0], [3.0, 0.0]]))
     np.testing.assert_allclose(places[:2, 2], [0.0, np.sqrt(3) - 2])
     assert np.isinf(places[2]).all()

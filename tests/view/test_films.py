@@ -12,7 +12,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import Sinusoid
 from fefinger.support.checks import InputError
-from fefinger.view import film as films
+from fefinger.view import pictures as films
 from fefinger.view.drawing import titles
 
 

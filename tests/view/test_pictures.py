@@ -13,16 +13,7 @@ from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.pages import viewer
 from fefinger.scene.indenters import Flat
 from fefinger.support.checks import InputError
-from fefinger.view import (
-    figures,
-    frames,
-    indenter_pose,
-    pictures,
-    quantities,
-    renderer,
-    section_figure,
-    window,
-)
+from fefinger.view import figures, frames, pictures, quantities, renderer, section_figure, window
 from fefinger.view import plot3d as stage
 from fefinger.view.drawing import colors, drawing
 
@@ -237,7 +228,7 @@ def surface(controls, part):
 def test_the_slider_moves_the_finger_its_colors_and_the_indenter(synthetic, controls):
     fields = synthetic.fields
     depths = np.interp(fields.times, synthetic.time, synthetic.depth)
-    axis = indenter_pose.pose(synthetic, 0.0).axis
+    axis = frames.pose(synthetic, 0.0).axis
     seen = []
     for number, depth in zip((1, 2, 3), depths, strict=True):
         controls.step(number)

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from matplotlib import colormaps
 
-from fefinger.fem.elements.forms import Elastic
-from fefinger.fem.hyperelastic import stress_kernels
-from fefinger.fem.hyperelastic.material import material_of
+from fefinger.fem.elements.assembly import Elastic
+from fefinger.fem.hyperelastic.material import at_point, material_of
 from fefinger.results.records import Fields
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
@@ -130,7 +129,7 @@ def test_energy_at_finite_strain_is_the_work_of_the_material_point(synthetic, la
 
 def stress(law, gradient):
     """Return the isochoric second Piola-Kirchhoff stress xx, yy, zz that the elements use."""
-    isochoric, _ = stress_kernels.at_point(law, gradient)
+    isochoric, _ = at_point(law, gradient)
     return isochoric[:3]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.results.records import Lateral
-from fefinger.view import indenter_pose, spatial_figures
+from fefinger.view import frames, spatial_figures
 
 
 SLIDE = ff.Slide(20, 0.5, distance=4, direction=180, settle=0.1, passes=2)
@@ -85,13 +85,13 @@ def test_rates_are_spikes_over_the_time_that_a_unit_spent_there(slid):
 
 
 def test_a_sliding_object_is_drawn_where_it_is_and_as_its_plane_where_it_cannot_be(slid):
-    there = indenter_pose.pose(slid, 0.0, float(SLIDE.recorded_from + 0.1))
-    texture, time = indenter_pose.texture(slid), float(SLIDE.recorded_from + 0.1)
+    there = frames.pose(slid, 0.0, float(SLIDE.recorded_from + 0.1))
+    texture, time = frames.texture(slid), float(SLIDE.recorded_from + 0.1)
     drawn = texture.first.places(np.random.default_rng(1).uniform(-5, 5, (200, 2)))
     drawn = drawn + texture.rise(time, drawn)[:, None] * texture.first.axis
     local = (drawn - there.origin) @ there.frame.T
     assert local[:, 2] == pytest.approx(-there.profile.rise(local[:, :2]), abs=1e-9)
-    still = indenter_pose.pose(slid, 0.0)
+    still = frames.pose(slid, 0.0)
     assert still.profile.plane
     assert there.profile is not still.profile
     moved = np.linalg.norm(there.origin - still.origin)

@@ -29,7 +29,7 @@ from fefinger.fem.condensation import Compliance, palmar
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.loop import Loop
-from fefinger.mechanics.press import materials, operator, operator_cache
+from fefinger.mechanics.press import operator, operator_cache, problem
 from fefinger.mesh.store import load_or_build
 from fefinger.neural.membranes import HodgkinHuxley, IntegrateAndFire
 from fefinger.results.records import Sites
@@ -135,7 +135,7 @@ def _superlu(finger: Finger, mesh: FingerMesh) -> float:
 
     The factor and LOADS of the loads are timed, on the even half.
     """
-    solid = body(mesh, materials.tissues(finger), materials.fixed_facets(finger))
+    solid = body(mesh, problem.tissues(finger), problem.fixed_facets(finger))
     system, space = solid.system, solid.space
     superlu_system, factoring = timed(lambda: superlu.factor(space, system.matrix, system.fixed))
     count = 3 * len(palmar(solid))

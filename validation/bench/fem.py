@@ -18,10 +18,10 @@ from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.march import Prescribed, march
 from fefinger.fem import body
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.forms import stiffness
+from fefinger.fem.elements.assembly import stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.linalg import system as solve
-from fefinger.mechanics.press import materials, placement
+from fefinger.mechanics.press import placement, problem
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
@@ -45,7 +45,7 @@ def finger_figures(progress: Progress) -> list[Figure]:
     """Measure the half finger of flat-press; the best of REPEATS runs of each stage."""
     finger = replace(published.load("flat-press").finger, resolution=RESOLUTION)
     mesh = load_or_build(finger, half=True)
-    tissues, held = materials.tissues(finger), materials.fixed_facets(finger)
+    tissues, held = problem.tissues(finger), problem.fixed_facets(finger)
     solid = body.body(mesh, tissues, held)
     space, system = solid.space, solid.system
     progress("fem", 0.05)

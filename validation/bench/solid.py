@@ -10,7 +10,7 @@ import numpy as np
 from fefinger.validation.bench.suites import Figure, Progress
 from fefinger.validation.bench.timing import timed
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.support.threads import one_thread

@@ -16,7 +16,7 @@ from fefinger.validation.provenance import save
 
 from fefinger.afferents import fire
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import unit_counts
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
 from fefinger.scene.scene import Scene
@@ -112,7 +112,7 @@ def rows(label: str) -> Iterator[dict[str, Any]]:
             "fields": int(given.ask.wants("fields")),
             "organs": 0 if response.sites is None else len(response.sites.points),
             "population": int(given.ask.population is not None),
-            "blocks": unit_counts.blocks(given.ask),
+            "blocks": costs.blocks(given.ask),
             "duration_s": given.motion.duration,
             "seconds": round(answered - started, 4),
             "spike_seconds": round(fired, 4),

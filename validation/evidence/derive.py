@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 
 from fefinger.mechanics import layered, lumped
 from fefinger.mechanics.evidence import presses
-from fefinger.mechanics.evidence.features import Features
-from fefinger.mechanics.evidence.presses import EVIDENCE, Press
+from fefinger.mechanics.evidence.presses import EVIDENCE, Features, Press
 from fefinger.mechanics.evidence.stated_errors import (
     LEAST,
     STATED,

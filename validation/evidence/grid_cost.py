@@ -14,7 +14,7 @@ from fefinger.validation.evidence.cost_table import GRID
 from fefinger.validation.provenance import save
 
 from fefinger.mechanics import layered
-from fefinger.mechanics.evidence import unit_counts
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
@@ -90,7 +90,7 @@ def row(scene: Scene) -> dict[str, Any]:
         "points": int(response.numbers["grid_points"]) ** 2,
         "steps": len(time_grid(scene.motion, fast=False, feature=feature)),
         "friction": bool(scene.indenter.friction),
-        "organs": unit_counts.organs(scene.ask) if scene.ask.population is not None else 0,
+        "organs": costs.organs(scene.ask) if scene.ask.population is not None else 0,
         "times": len(response.time),
         "seconds": round(spent, 3),
     }

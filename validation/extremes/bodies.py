@@ -12,7 +12,7 @@ from fefinger.validation.problems.grids import box
 
 from fefinger.contact import active_set
 from fefinger.contact.complementarity import Complementarity
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
 from fefinger.fem.hyperelastic.material import Material, material_of

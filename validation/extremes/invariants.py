@@ -6,7 +6,7 @@ import numpy as np
 from fefinger.validation.extremes.trial import Findings
 from numpy.typing import ArrayLike
 
-from fefinger.geometry.locate import locate
+from fefinger.geometry.finger_mesh import locate
 from fefinger.geometry.profiles import frame
 from fefinger.results.pressure import net, pressed
 from fefinger.results.records import Pad, Response

@@ -20,7 +20,7 @@ from fefinger.validation.provenance import save, saved
 from scipy import sparse
 
 from fefinger.contact.complementarity import Complementarity
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal

@@ -10,7 +10,7 @@ from fefinger.validation.fem.element_kinds import OURS, Kind, assembled
 from fefinger.validation.problems.grids import box
 from scipy.linalg import eigh
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import factor

@@ -16,7 +16,7 @@ from fefinger.validation.oracles.sphere import Sphere
 from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Exact, Indenter, Quarter, half_space, outer
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation

@@ -20,7 +20,7 @@ from fefinger.validation.problems.quarter import (
     turned,
 )
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.support.arrays import Array
 from fefinger.theory.contact.hertz import Hertz

@@ -17,7 +17,7 @@ from fefinger.validation.problems.quarter import Quarter, outer
 
 from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.march import History, Prescribed, march
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.scene import pawluk1997
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation

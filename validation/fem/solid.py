@@ -15,7 +15,7 @@ from fefinger.validation.case import Case, Expected, Row, tabled
 from fefinger.validation.problems.cube import Cube, across, cube, nominal, stretches
 from fefinger.validation.problems.hemisphere import DEPTH, SPEED, Hemisphere
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.load_path import LoadPath, Series, StressHistory, follow
 from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.state import State, Target

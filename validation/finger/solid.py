@@ -16,7 +16,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.mechanics import solid
 from fefinger.mechanics.press import finite_strain, placement
-from fefinger.mechanics.press.materials import fixed_facets, materials, tissues
+from fefinger.mechanics.press.problem import fixed_facets, materials, tissues
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.ask import Ask

@@ -12,11 +12,10 @@ from scipy import sparse
 from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import body, reduce
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.probe import strain_at
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.probe import recovered_strain_at, strain_at
 from fefinger.mechanics.press import placement
-from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mechanics.press.materials import fixed_facets, tissues
+from fefinger.mechanics.press.mesh_limits import refinement_location
+from fefinger.mechanics.press.problem import fixed_facets, tissues
 from fefinger.mechanics.press.sites import central_sites
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.indenter import Indenter

@@ -19,7 +19,7 @@ from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain, placement, small_strain
-from fefinger.mechanics.press.materials import fixed_facets, tissues, with_nail
+from fefinger.mechanics.press.problem import fixed_facets, tissues, with_nail
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Response
 from fefinger.scene.finger import RIGID

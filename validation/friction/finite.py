@@ -12,8 +12,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.state import State
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
-from fefinger.mechanics.press.materials import materials
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, materials
 from fefinger.results.records import Response
 from fefinger.scene.indenters import Flat
 from fefinger.scene.scene import Scene

@@ -12,12 +12,10 @@ no work in it (Ogden, Non-linear Elastic Deformations, section 6.4).
 import numpy as np
 from fefinger.validation.human.presses import finger
 
-from fefinger.fem.elements.recovery import recovered_gradient_at
-from fefinger.fem.hyperelastic.material import Material
-from fefinger.fem.hyperelastic.stress_kernels import PAIRS, at_point
+from fefinger.fem.elements.probe import recovered_gradient_at
+from fefinger.fem.hyperelastic.material import PAIRS, Material, at_point
 from fefinger.mechanics.press import tabulated_press
-from fefinger.mechanics.press.materials import materials
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, materials
 from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenters import STANDARD

@@ -20,7 +20,7 @@ from fefinger.validation.problems.febio_deck import SETTINGS, deck
 from fefinger.validation.problems.hemisphere import SPEED, Hemisphere
 from fefinger.validation.provenance import save, short
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError

@@ -19,7 +19,7 @@ from fefinger.contact.march import Prescribed, march
 from fefinger.fem import condensation
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.patch import Patch, directed, patch
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
 from fefinger.support.arrays import Array, Flags, Integers

@@ -13,9 +13,8 @@ from fefinger.validation.oracles.mindlin import point_displacement
 
 from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.contact.patch import Patch, patch
-from fefinger.fem.elements.forms import Elastic, stiffness
-from fefinger.fem.elements.probe import strain_at
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.assembly import Elastic, stiffness
+from fefinger.fem.elements.probe import recovered_strain_at, strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
 from fefinger.geometry.voigt import tensor_from_voigt

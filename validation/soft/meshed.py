@@ -15,7 +15,7 @@ from fefinger.contact.complementarity import Complementarity
 from fefinger.contact.elastic_kernel import Facets, Kernel, flexibility
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.load_path import LoadPath, StressHistory, follow

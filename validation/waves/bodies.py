@@ -8,7 +8,7 @@ from fefinger.validation.problems.grids import box, octant, quarter
 from scipy import optimize, sparse, special
 
 from fefinger.contact.oscillators import Complex, complex_modulus
-from fefinger.fem.elements.forms import Elastic, mass, stiffness
+from fefinger.fem.elements.assembly import Elastic, mass, stiffness
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import System, factor
 from fefinger.fem.modes import Modes, lowest

@@ -18,11 +18,11 @@ from scipy.sparse.linalg import splu
 
 from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import prescribed
-from fefinger.fem.elements.forms import mass, stiffness
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.assembly import mass, stiffness
+from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.mechanics.loop import Loop
-from fefinger.mechanics.press.materials import fixed_facets, tissues
 from fefinger.mechanics.press.modal_body import PER_CUBIC_METER
+from fefinger.mechanics.press.problem import fixed_facets, tissues
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat

@@ -9,7 +9,7 @@ from fefinger.validation.waves import lateral, loops, preload
 from scipy import sparse
 
 from fefinger.contact.oscillators import ClosedContact
-from fefinger.fem.elements.forms import mass
+from fefinger.fem.elements.assembly import mass
 from fefinger.fem.modes import modes_of
 from fefinger.mechanics import modal, pressed, solid
 from fefinger.mechanics.evidence import vibration

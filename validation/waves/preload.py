@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from fefinger.contact.oscillators import Complex, complex_modulus
 from fefinger.fem.contact.deformed_gap import DeformedGap, contact_surface
-from fefinger.fem.elements.forms import mass
+from fefinger.fem.elements.assembly import mass
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
@@ -24,11 +24,10 @@ from fefinger.fem.linalg.system import System
 from fefinger.mechanics.press import operator, tabulated_press
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.frequency_response import Vibrating, about
-from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.modal_press import operator_of
 from fefinger.mechanics.press.modal_response import stiffening
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, materials
 from fefinger.mechanics.press.tabulated_press import TabulatedPress, about_preload, table_of
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger

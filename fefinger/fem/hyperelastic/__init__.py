@@ -1,6 +1,6 @@
 """Finite strain: hyperelastic laws, elements, equilibrium in contact, and its path through time.
 
-material.py, stress_kernels.py   a law with its moduli, and its stress and moduli at a point
+material.py                      a law with its moduli, and its stress and moduli at a point
 continuum.py, element_kernels.py    the body: residual and tangent of its elements
 tangent.py, newton.py            the factored tangent, and equilibrium in contact by it
 iterate.py                       the error of an iterate, and the acceleration of the iteration

@@ -1,7 +1,10 @@
 """Finite-strain hyperelastic body: residual, tangent and stress of its elements.
 
 The unknowns of `spaces.Space`: displacements, then hydrostatic pressures in units of
-`scale`. At rest the tangent is the matrix of `forms.stiffness`.
+`scale`. At rest the tangent is the matrix of `assembly.stiffness`.
+
+The check of a hyperelastic law in the elements is a Taylor test of the tangent, and the uniaxial
+stress.
 """
 
 from collections.abc import Collection, Mapping
@@ -12,15 +15,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import Basis, ElementTetP1
+from skfem import Basis, ElementTetP1, MeshTet
 
 from fefinger.fem.elements import assembly
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.element_kernels import Elements
-from fefinger.fem.hyperelastic.material import CompiledLaw, Material, compiled
+from fefinger.fem.hyperelastic.material import CompiledLaw, Material, at_point, compiled
 from fefinger.geometry.voigt import VOIGT
-from fefinger.laws import Law
+from fefinger.laws import LAWS, Law
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.threads import together
@@ -216,3 +219,66 @@ def continuum(
         pattern=sparse.csr_matrix((np.zeros(len(columns)), columns, starts), shape=(n, n)),
         slots=element_kernels.slots(members, starts, columns),
     )
+
+
+STEPS = (1e-3, 5e-4)
+"""Lengths of the steps of the Taylor test, along displacements of .1 of the cube."""
+
+ORDER = 1.9
+"""Least order of the remainder; that of a tangent with a wrong entry is 1."""
+
+
+def check_law(law: Law | str, **parameters: float) -> float:
+    """Check a hyperelastic law, a `Law` or the name of one, with these parameters.
+
+    Its derivatives are compared with differences of its energy, at stretches of some 1.1. Then the
+    tangent of six elements that are deformed at random is compared with their residual: what a
+    first-order Taylor series leaves out falls as the square of the step. Return the order that is
+    found, which is about 2.
+
+    Raises
+    ------
+    InputError
+        An unknown law, parameters that are not its own, or derivatives that do not fit.
+    """
+    chosen = law if isinstance(law, Law) else LAWS.named("law", law)
+    values = chosen.values(parameters)
+    chosen.check(values)
+    edge = np.linspace(0.0, 1.0, 2)
+    mesh = MeshTet.init_tensor(edge, edge, edge)
+    cells = np.ascontiguousarray(mesh.t.T, dtype=np.int64)
+    space = Space(np.ascontiguousarray(mesh.p.T), cells, np.ones(len(cells), dtype=np.int8))
+    compressibility = 0.1  # 1 / K over 1 / mu in the cube of the Taylor test
+    body = continuum(space, {1: Material(1.0, compressibility, chosen, values)})
+    at, along = np.random.default_rng(0).uniform(-0.05, 0.05, (2, space.n_unknowns))
+    start, slope = body.residual(at, body.at_rest)[0], body.tangent(at, body.at_rest) @ along
+    left = [
+        np.linalg.norm(body.residual(at + h * along, body.at_rest)[0] - start - h * slope)
+        for h in STEPS
+    ]
+    order = float(np.log2(left[0] / left[1]))
+    if not order > ORDER:
+        raise InputError(
+            f"law {chosen.name!r}: expected a tangent whose Taylor remainder falls with order 2, "
+            f"received order {order:.2f}; correct its second derivatives"
+        )
+    return order
+
+
+def uniaxial(law: Law | str, stretch: Array, **parameters: float) -> Array:
+    """Return the nominal stress (n,) over the shear modulus of incompressible tissue.
+
+    stretch: (n,) of a bar that is pulled or pressed along its axis. The stress comes from the
+    elements.
+
+    Raises InputError for an unknown law, or parameters that are not its own.
+    """
+    chosen = law if isinstance(law, Law) else LAWS.named("law", law)
+    material = Material(1.0, 0.0, chosen, chosen.values(parameters))
+    nominal = np.empty(len(stretch))
+    for k, along in enumerate(stretch):
+        across = along**-0.5
+        stress, _ = at_point(material, np.diag([along, across, across]) - np.eye(3))
+        pressure = -stress[1] * across**2  # that leaves the sides free
+        nominal[k] = along * (stress[0] + pressure / along**2)
+    return nominal

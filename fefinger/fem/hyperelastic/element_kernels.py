@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.fem.hyperelastic.material import CompiledLaw
-from fefinger.fem.hyperelastic.stress_kernels import (
+from fefinger.fem.hyperelastic.material import (
     FAST,
     PAIRS,
+    CompiledLaw,
     add_volumetric_stiffness,
     moduli_of,
     project_to_semidefinite,

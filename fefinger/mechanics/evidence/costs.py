@@ -3,31 +3,82 @@
 `reports/evidence.json` holds the seconds of each stage of a mechanics on a mesh, on the machine of
 the reports, and how those of finite strain grow with the depth, by a regression
 (`validation/evidence/cost_table.py`). What a scene adds are counts of steps, of bodies, of units
-and of end organs.
+and of end organs that it asks for.
 """
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fefinger.mechanics.evidence import unit_counts, vibration
+from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.evidence.presses import EVIDENCE, read
-from fefinger.mechanics.press.discretization import needs_continuation
 from fefinger.mechanics.press.load_steps import load_steps, tissue_relaxations
+from fefinger.mechanics.press.mesh_limits import needs_continuation
 from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import available, parities
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS
+from fefinger.scene.ask import Ask
+from fefinger.scene.innervation import innervation
 from fefinger.scene.motion import Motion
+from fefinger.scene.population import Disc, Grid, Layout, Line, Places
 from fefinger.support.checks import InputError
 from fefinger.support.machine import slowness
 from fefinger.support.processes import threads
 from fefinger.support.vocabulary import FAMILIES
 from fefinger.theory.relaxation import Prony
+
+
+FINER = {"FAII": 2.0}
+"""Steps of a membrane of a type over those of the other types."""
+
+
+def units(ask: Ask) -> dict[str, float]:
+    """Return the number of units of each type that `ask` describes; some may lie beside the pad."""
+    return units_of(ask.population, ask.spikes)
+
+
+def units_of(layout: Layout | None, types: Sequence[str]) -> dict[str, float]:
+    """Return the number of units of each of `types` in a layout, before rounding."""
+    if isinstance(layout, Disc):
+        rows, area = innervation(), 0.01 * math.pi * layout.radius**2
+        return {kind: area * layout.densities.get(kind, rows[kind].density) for kind in types}
+    each = 1.0
+    if isinstance(layout, Grid):
+        # Imported here, because costs are also read for scenes without spikes.
+        from fefinger.neural.populations import squares
+
+        each = float(len(squares(layout.spacing, layout.radius)))
+    elif isinstance(layout, Line):
+        each = float(layout.count)
+    elif isinstance(layout, Places):
+        each = float(len(layout.places))
+    return dict.fromkeys(types, each)
+
+
+def organs(ask: Ask) -> float:
+    """Return the expected number of end organs: one of each unit, or the mean of the published."""
+    branched = ask.population is not None and ask.population.branched
+    rows = innervation()
+    return sum(
+        count * (sum(rows[kind].organs) / 2 if branched else 1.0)
+        for kind, count in units(ask).items()
+    )
+
+
+def blocks(ask: Ask) -> float:
+    """Return the number of blocks of units that advance together; finer steps count more."""
+    by_step: dict[float, float] = {}
+    for kind, count in units(ask).items():
+        finer = FINER.get(kind, 1.0)
+        by_step[finer] = by_step.get(finer, 0.0) + count
+    abreast = 16  # units of a family of the package that are advanced together
+    return sum(finer * math.ceil(count / abreast) for finer, count in by_step.items())
 
 
 STEEPEST = 45.0
@@ -95,7 +146,7 @@ def _organs(mechanics: str, case: Situation) -> float:
         return 0.0
     mesh = case.mesh if MECHANICS[mechanics].meshed else ""
     once, step = (seconds(mechanics, stage, mesh) for stage in ("organ", "organ_step"))
-    return unit_counts.organs(case.ask) * (once + len(case.times) * step)
+    return organs(case.ask) * (once + len(case.times) * step)
 
 
 def spike_seconds(case: Situation) -> float:
@@ -110,8 +161,8 @@ def spike_seconds(case: Situation) -> float:
     once, block, sample = (
         seconds("spikes", stage, family) for stage in ("setup", "block_second", "sample")
     )
-    spent = once + block * unit_counts.blocks(ask) * case.motion.duration
-    return spent + sample * unit_counts.organs(ask) * len(case.times)
+    spent = once + block * blocks(ask) * case.motion.duration
+    return spent + sample * organs(ask) * len(case.times)
 
 
 def mesh_seconds(case: Situation, *, follow: bool = True) -> float:

@@ -1,7 +1,7 @@
 """The error that a mechanics states of a scene: one rule, for all of them and all quantities.
 
 1. A press is an object and a finger. Its features are curvatures, width of edges, angle, tilt and
-   place of the object, size, contrast and stiffening of the finger (`features.py`).
+   place of the object, size, contrast and stiffening of the finger (`presses.py`).
 2. Every mechanics was compared with finite strain on the finest mesh in some 95 presses, at twelve
    depths (`presses.py`). Finite strain itself is compared with what its meshes extrapolate to.
 3. The estimate for a scene is the mean of the errors in the NEAREST presses, at its depth over the
@@ -24,8 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fefinger.mechanics.evidence.features import Features
-from fefinger.mechanics.evidence.presses import EVIDENCE, Press, nearest, pressed, read
+from fefinger.mechanics.evidence.presses import EVIDENCE, Features, Press, nearest, pressed, read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate
 from fefinger.support.text import format_excess, percent

@@ -16,6 +16,6 @@ layer_press.py              `layered` of any object, on a grid: its gaps in laye
 reference.py                the small press that converts strain to displacement
 response.py, modal_response.py    the Response, from the solved contact
 
-The other files are parts of these: where things lie (placement, sites), of what they
-are made (materials), in which steps (time_steps, load_steps), and what is left out (limits, notes).
+The other files are parts of these: where things lie (placement, sites), in which steps
+(time_steps, load_steps), what the mesh allows (mesh_limits), and what is left out (notes).
 """

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from fefinger.geometry.profiles import directions
-from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.mesh_limits import check_reached
 from fefinger.mechanics.press.sites import (
     REFERENCE_DEPTH,
     central_sites,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.laws import LAWS
-from fefinger.mechanics.press.discretization import needs_continuation, refinement_location
+from fefinger.mechanics.press.mesh_limits import needs_continuation, refinement_location
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.mesh.recipe import data_folder
 from fefinger.mesh.store import sha256

@@ -14,16 +14,14 @@ import numpy as np
 
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.load_path import LoadPath, StressHistory
-from fefinger.mechanics.press import depth_table, limits
+from fefinger.mechanics.press import depth_table, mesh_limits
 from fefinger.mechanics.press.depth_table import DepthTable, DisplacementBasis
-from fefinger.mechanics.press.fields import stiffening
 from fefinger.mechanics.press.finite_strain import BUDGET, FINITE_STRAIN, Course, follow_course
 from fefinger.mechanics.press.load_steps import LoadSteps
-from fefinger.mechanics.press.materials import materials
 from fefinger.mechanics.press.placement import whole_pad
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, materials
 from fefinger.mechanics.press.reference import reference_unknowns
-from fefinger.mechanics.press.response import areas_of_steps
+from fefinger.mechanics.press.response import areas_of_steps, stiffening
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
 from fefinger.scene.motions import Ramp
 from fefinger.support import cache
@@ -126,7 +124,7 @@ def _solved(
     pressure, travel = history.pressure, history.contact.projected
     force = press.body.sides * pressure @ travel * NEWTON_PER_MILLINEWTON
     if (force > 0).sum() < RESOLVED:
-        raise InputError(limits.unresolved(float(solved[-1])))
+        raise InputError(mesh_limits.unresolved(float(solved[-1])))
     with stages.stage("work"):
         work = work_ratios(elements, fields[: len(solved)], solved, force)
     pad, column = whole_pad(body, history.contact.neighborhood)

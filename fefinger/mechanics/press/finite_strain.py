@@ -10,23 +10,29 @@ from scipy import sparse
 
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.elements.recovery import recovered_gradient_at
+from fefinger.fem.elements.probe import recovered_gradient_at
 from fefinger.fem.hyperelastic import load_path
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
 from fefinger.geometry.voigt import logarithmic
-from fefinger.mechanics.press import dragged, limits, placement, problem
+from fefinger.mechanics.press import dragged, mesh_limits, placement, problem
+from fefinger.mechanics.press.compliances import object_surface
 from fefinger.mechanics.press.load_steps import (
     LoadSteps,
     load_steps,
     peak_steps,
     tissue_relaxations,
 )
-from fefinger.mechanics.press.materials import NAIL, materials, relaxations
-from fefinger.mechanics.press.pressing_object import object_surface
-from fefinger.mechanics.press.problem import FiniteStrainHistory, Press, frames_of
+from fefinger.mechanics.press.problem import (
+    NAIL,
+    FiniteStrainHistory,
+    Press,
+    frames_of,
+    materials,
+    relaxations,
+)
 from fefinger.mechanics.press.reference import reference_strain, reference_unknowns
 from fefinger.mechanics.press.response import finite_strain_response
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
@@ -240,14 +246,14 @@ def follow_course(
             spreads=elements.nearly_incompressible,
         )
         contact = replace(contact, surface=object_surface(press.indenter, body, contact))
-        limits.check_under(press.motion, press.obstacle, body, contact.on.beyond)
+        mesh_limits.check_under(press.motion, press.obstacle, body, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
         _check_contact(body, contact, history)
         if not (pressed & contact.on.border).any():
             return history
         reach *= problem.GROW
-    raise ConvergenceError(limits.spread_beyond(reach))
+    raise ConvergenceError(mesh_limits.spread_beyond(reach))
 
 
 def _on_candidates(
@@ -290,10 +296,10 @@ def _check_contact(body: Solid, contact: ContactSurface, history: FiniteStrainHi
     pressed = np.asarray(bearing.any(axis=0))
     placement.check_inside(body, on.vertices[pressed], deepest)
     if not pressed.any():
-        raise InputError(limits.untouched(contact.obstacle, body, deepest))
+        raise InputError(mesh_limits.untouched(contact.obstacle, body, deepest))
     places = contact.at_rest[: len(contact)] + history.moved[:, : len(contact)]
     ended = (bearing & contact.obstacle.beyond(places)).any()
     if ended or (pressed & on.obstacle_border).any():
         raise InputError(
-            limits.rim_reached(len(pressed), getattr(contact.obstacle, "profile", None))
+            mesh_limits.rim_reached(len(pressed), getattr(contact.obstacle, "profile", None))
         )

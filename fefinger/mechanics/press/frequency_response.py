@@ -17,10 +17,10 @@ from fefinger.contact.oscillators import ClosedContact
 from fefinger.fem.condensation import Operator, displaced, reduce
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import Patch, patch
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.voigt import tensor_from_voigt
-from fefinger.mechanics.press import limits, modal_body, problem
+from fefinger.mechanics.press import mesh_limits, modal_body, problem
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
 from fefinger.results.harmonic import Complex, Harmonic, apart
 from fefinger.results.records import Sites
@@ -96,7 +96,7 @@ class Vibrating:
         InputError if no vertex of the pad is under the obstacle.
         """
         if not len(on_pad.vertices):
-            raise InputError(limits.NOTHING_UNDER)
+            raise InputError(mesh_limits.NOTHING_UNDER)
         line = skin_line(solid)
         rows = _rows(solid, sites, line)
         still = modal_body.stiffened(reduce(solid, on_pad, rows[:0]), stiffening)
@@ -177,9 +177,9 @@ class Vibrating:
         else:
             pressure = solver.solve(gap - depth * areas)
         if not (pressure > 0).any():
-            raise InputError(limits.unresolved(depth))
+            raise InputError(mesh_limits.unresolved(depth))
         if (pressure[on_pad.obstacle_border] > 0).any():
-            raise InputError(limits.rim_reached(len(pressure)))
+            raise InputError(mesh_limits.rim_reached(len(pressure)))
         if (pressure[on_pad.border] > 0).any():
             raise RimError(
                 f"preload: expected contact as of a depth of at most {self.deepest:g} mm, received "

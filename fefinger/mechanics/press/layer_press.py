@@ -20,9 +20,9 @@ from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press.axisymmetric import Touch
 from fefinger.mechanics.press.layer_gap import LayerGap, first_touch, pad_of, window
 from fefinger.mechanics.press.layer_grid import LayerGrid, StrainProbe, object_compliance
-from fefinger.mechanics.press.limits import check_reached
+from fefinger.mechanics.press.mesh_limits import check_reached
+from fefinger.mechanics.press.notes import told
 from fefinger.mechanics.press.sites import end_organ_sites, spherical
-from fefinger.mechanics.press.slip import told
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.neural.drives import Reference
 from fefinger.results.records import Lateral, Response, Sites

@@ -15,8 +15,7 @@ from scipy import sparse
 from fefinger.contact.oscillators import Oscillators
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator
-from fefinger.fem.elements.assembly import numbering
-from fefinger.fem.elements.forms import mass
+from fefinger.fem.elements.assembly import mass, numbering
 from fefinger.fem.modes import Modes, modes_of
 from fefinger.mechanics.press.operator_cache import MODES, description, modes_folder
 from fefinger.scene.finger import Finger

@@ -11,7 +11,7 @@ from fefinger.contact.inertial import InertialContact
 from fefinger.contact.march import History, Prescribed, march
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.mechanics.press import modal_body
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
 from fefinger.mechanics.press.problem import Press

@@ -19,8 +19,7 @@ from fefinger.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices
 from fefinger.geometry.voigt import tensor_from_voigt
-from fefinger.mechanics.press import limits, modal_press, operator, problem, tabulated_press
-from fefinger.mechanics.press.fields import interpolation, small_strain_fields
+from fefinger.mechanics.press import mesh_limits, modal_press, operator, problem, tabulated_press
 from fefinger.mechanics.press.frequency_response import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
 from fefinger.mechanics.press.modal_press import ModalHistory, TimeGrid
@@ -28,7 +27,11 @@ from fefinger.mechanics.press.notes import stiffens
 from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory
 from fefinger.mechanics.press.reference import reference_of
-from fefinger.mechanics.press.response import small_strain_response
+from fefinger.mechanics.press.response import (
+    interpolation,
+    small_strain_fields,
+    small_strain_response,
+)
 from fefinger.mechanics.press.small_strain import quasistatic, solve_contact
 from fefinger.mechanics.press.tabulated_press import PreloadRelaxation, TabulatedPress
 from fefinger.results.harmonic import Harmonic
@@ -182,7 +185,7 @@ def stiffening(press: Press, table: TabulatedPress, depth: float) -> float:
     linear = body.sides * NEWTON_PER_MILLINEWTON * projected @ np.linalg.solve(block, projected)
     stiffness = tangent(table, depth)
     if not (len(active) and stiffness > 0):
-        raise InputError(limits.unresolved(depth))
+        raise InputError(mesh_limits.unresolved(depth))
     return float(stiffness / linear)
 
 

@@ -13,10 +13,10 @@ from fefinger.fem.contact.patch import Patch, directed, patch
 from fefinger.fem.contact.travel import Heights, envelope
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import operator, problem
+from fefinger.mechanics.press.compliances import pressing_object
+from fefinger.mechanics.press.notes import told
 from fefinger.mechanics.press.placement import on_neighborhood
-from fefinger.mechanics.press.pressing_object import pressing_object
 from fefinger.mechanics.press.problem import Press, SmallStrainHistory
-from fefinger.mechanics.press.slip import told
 from fefinger.results.records import Lateral, Pad
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.units import NEWTON_PER_MILLINEWTON

@@ -14,15 +14,14 @@ from fefinger.fem import condensation as reduction
 from fefinger.fem.body import Reduced, prescribed, solid
 from fefinger.fem.condensation import Compliance, Operator, Part, condense, mirrored
 from fefinger.fem.contact.patch import Patch
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.linalg.dissection import Front
 from fefinger.fem.linalg.multifrontal import Eliminated
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.geometry.mirror import whole
-from fefinger.mechanics.press.materials import fixed_facets
 from fefinger.mechanics.press.notes import own_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import description, folder, identity, parities
-from fefinger.mechanics.press.problem import SolutionMethod
+from fefinger.mechanics.press.problem import SolutionMethod, fixed_facets
 from fefinger.mesh.extend import CONTINUATION
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger

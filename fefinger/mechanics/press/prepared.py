@@ -24,11 +24,12 @@ from fefinger.fem.condensation import Operator, OutsideError
 from fefinger.fem.contact.obstacle import OwnObstacle, Rigid
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.travel import Travel
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.geometry import mirror
 from fefinger.geometry.profiles import frame
-from fefinger.mechanics.press import limits, moving_contact, operator, placement, problem
-from fefinger.mechanics.press.discretization import needs_continuation
+from fefinger.mechanics.press import mesh_limits, moving_contact, operator, placement, problem
+from fefinger.mechanics.press.compliances import pressing_object
+from fefinger.mechanics.press.mesh_limits import needs_continuation
 from fefinger.mechanics.press.modal_body import (
     FingerModes,
     ModalBody,
@@ -37,7 +38,6 @@ from fefinger.mechanics.press.modal_body import (
 )
 from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.placement import first_moments, whole_pad
-from fefinger.mechanics.press.pressing_object import pressing_object
 from fefinger.mechanics.press.problem import on_enough_candidates
 from fefinger.mechanics.press.reference import reference_press
 from fefinger.mechanics.press.sites import central_sites
@@ -299,7 +299,7 @@ def _on_candidates(
     def attempt(on: Patch, rings: int) -> tuple[Reduced, Flags]:
         count = len(on.vertices)
         if count == 0:
-            raise InputError(limits.NOTHING_UNDER)
+            raise InputError(mesh_limits.NOTHING_UNDER)
         reduced = reduce(on)
         solver = Complementarity(reduced.flexibility[:count, :count])
         pressure = solver.solve(on.gap - deepest * on.projected)

@@ -9,7 +9,7 @@ from fefinger.contact.complementarity import Complementarity
 from fefinger.fem.body import Reduced, Solid
 from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.recovery import recovered_gradient_at, recovered_strain_at
+from fefinger.fem.elements.probe import recovered_gradient_at, recovered_strain_at
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.load_path import LoadPath, StressHistory, follow
 from fefinger.fem.hyperelastic.newton import Equilibrium

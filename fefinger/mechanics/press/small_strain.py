@@ -15,16 +15,18 @@ from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.condensation import OutsideError
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.travel import Travel
-from fefinger.fem.elements.recovery import recovered_strain_at
+from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.mechanics.press import limits, moving_contact, placement, problem
-from fefinger.mechanics.press.discretization import refinement_location
-from fefinger.mechanics.press.materials import fixed_facets, tissues, with_nail
+from fefinger.mechanics.press import mesh_limits, moving_contact, placement, problem
+from fefinger.mechanics.press.mesh_limits import refinement_location
 from fefinger.mechanics.press.problem import (
     Press,
     SmallStrainHistory,
     SolutionMethod,
+    fixed_facets,
     on_enough_candidates,
+    tissues,
+    with_nail,
 )
 from fefinger.mechanics.press.reference import reference_of
 from fefinger.mechanics.press.response import small_strain_response
@@ -104,12 +106,12 @@ def solve_contact(
                 # Not before: with too few candidates a prescribed force presses too deep.
                 yielded = reduced.object.recession(history.pressure).max(axis=1)
                 deepest = float((history.depth - yielded).max())  # of the skin alone
-                limits.check_reached(press.motion, press.finger.pulp, deepest)
+                mesh_limits.check_reached(press.motion, press.finger.pulp, deepest)
                 placement.check_inside(press.body, on_pad.vertices[pressed], deepest)
         except InputError:
             reach = problem.REACH * press.expected_depth * problem.GROW**rings
             if _touches_outside(press, reach):  # without that skin the press is another
-                raise OutsideError(limits.OUTSIDE) from None
+                raise OutsideError(mesh_limits.OUTSIDE) from None
             raise
         return (reduced, history), pressed
 
@@ -123,7 +125,7 @@ def _on_candidates(
 ) -> tuple[Reduced, History]:
     body, motion, obstacle = press.body, press.motion, press.obstacle
     ended = obstacle.beyond(body.space.points[candidates.vertices])
-    limits.check_under(motion, obstacle, body, ended)
+    mesh_limits.check_under(motion, obstacle, body, ended)
     with stages.stage("unit loads") as report:
         where = press.site_points
         probe = recovered_strain_at(body.space, where, body.planes)
@@ -135,9 +137,9 @@ def _on_candidates(
         history = advance(press, reduced, prescribed, report)
     pressed = (history.pressure > 0).any(axis=0)
     if not pressed.any():
-        raise InputError(limits.untouched(obstacle, body, float(history.depth.max())))
+        raise InputError(mesh_limits.untouched(obstacle, body, float(history.depth.max())))
     if (pressed & candidates.obstacle_border).any():
-        raise InputError(limits.rim_reached(len(candidates.vertices), obstacle.profile))
+        raise InputError(mesh_limits.rim_reached(len(candidates.vertices), obstacle.profile))
     return reduced, history
 
 

@@ -15,16 +15,15 @@ import numpy as np
 
 from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
-from fefinger.fem.elements.recovery import recovered_gradient_at
+from fefinger.fem.elements.probe import recovered_gradient_at
 from fefinger.geometry.voigt import logarithmic
 from fefinger.mechanics.press import dragged, elastic_press, response
 from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
-from fefinger.mechanics.press.fields import finite_strain_fields
-from fefinger.mechanics.press.materials import tissues, with_nail
 from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
-from fefinger.mechanics.press.problem import Press, SolutionMethod, frames_of
+from fefinger.mechanics.press.problem import Press, SolutionMethod, frames_of, tissues, with_nail
 from fefinger.mechanics.press.reference import reference_strain
+from fefinger.mechanics.press.response import finite_strain_fields
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.neural.drives import Reference
 from fefinger.results.records import Fields, Response

@@ -10,7 +10,7 @@ from fefinger.fem.contact import contact_area as areas
 from fefinger.fem.contact.contact_area import CandidateSurface, fit_rims
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import patch
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.linalg.system import factor
 from fefinger.geometry.profiles import Bar, Ellipsoid, Grating, Pin, Profile
 

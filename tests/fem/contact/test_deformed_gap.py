@@ -11,7 +11,7 @@ from scipy.linalg import expm, logm
 from fefinger.fem.contact.deformed_gap import BEND, MOST, ContactSurface, contact_surface
 from fefinger.fem.contact.obstacle import FAR, Obstacle
 from fefinger.fem.contact.patch import candidates, patch
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.probe import gradient_at, gradient_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum

@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.fem import elements
 from fefinger.validation.problems.grids import box
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.probe import inside, locate, strain_at, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fefinger.validation.problems.grids import box
 
-from fefinger.fem.elements.forms import mass
+from fefinger.fem.elements.assembly import mass
 from fefinger.fem.elements.spaces import Space
 
 

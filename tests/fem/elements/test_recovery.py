@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from fefinger.validation.problems.grids import box
 
-from fefinger.fem.elements.probe import strain_at
-from fefinger.fem.elements.recovery import POWERS, recovered_gradient_at, recovered_strain_at
+from fefinger.fem.elements.probe import (
+    POWERS,
+    recovered_gradient_at,
+    recovered_strain_at,
+    strain_at,
+)
 from fefinger.fem.elements.spaces import Space
 
 

@@ -7,7 +7,7 @@ from oracles.potential import energy
 from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementTetP2
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress, continuum
 from fefinger.fem.hyperelastic.material import Material, material_of

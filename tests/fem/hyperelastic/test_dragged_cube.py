@@ -6,7 +6,7 @@ from fefinger.validation.problems.cube import cube
 from scipy.sparse.linalg import splu
 
 from fefinger.contact.complementarity import Complementarity
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.checks import ConvergenceError

@@ -10,7 +10,7 @@ from fefinger.validation.problems.cube import Cube, across, cube, nominal, stret
 from numpy.polynomial import Chebyshev
 from scipy import sparse
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic import newton
 from fefinger.fem.hyperelastic.iterate import ASTRAY, Anderson, stagnant
 from fefinger.fem.hyperelastic.load_path import (

@@ -5,7 +5,7 @@ import pytest
 from fefinger.validation.problems.grids import box
 from oracles.potential import energy
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.material import Material, material_of

@@ -7,7 +7,7 @@ import pytest
 from fefinger.validation.problems.grids import box
 from scipy import sparse
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import dissection, multifrontal
 from fefinger.fem.linalg.dissection import dissect_space, smallest_cut

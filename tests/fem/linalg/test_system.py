@@ -10,7 +10,7 @@ from fefinger.validation.problems.grids import box
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from fefinger.fem.elements.forms import Elastic, stiffness
+from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import dissection
 from fefinger.fem.linalg import system as solve

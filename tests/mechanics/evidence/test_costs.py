@@ -9,7 +9,7 @@ from fefinger.validation.evidence import afferent_cost, cost_table
 import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import get
-from fefinger.mechanics.evidence import costs, unit_counts
+from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
@@ -116,8 +116,8 @@ LAYOUTS = {
 def test_end_organs_are_counted_before_they_are_placed(kind) -> None:
     layout, expected = LAYOUTS[kind]
     ask = ff.Ask(spikes=("SAI", "FAI"), population=layout)
-    assert unit_counts.organs(ask) == pytest.approx(expected, rel=0.02)
-    assert unit_counts.organs(replace(ask, population=None)) == pytest.approx(2)
+    assert costs.organs(ask) == pytest.approx(expected, rel=0.02)
+    assert costs.organs(replace(ask, population=None)) == pytest.approx(2)
 
 
 def test_a_grip_that_creeps_costs_as_many_steps_as_it_took(monkeypatch) -> None:

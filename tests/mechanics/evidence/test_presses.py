@@ -10,7 +10,7 @@ import pytest
 from fefinger.validation.evidence import derive
 
 import fefinger as ff
-from fefinger.mechanics.evidence import features, presses
+from fefinger.mechanics.evidence import presses
 from fefinger.mechanics.evidence.presses import EVIDENCE, read
 from fefinger.mechanics.situation import Situation
 
@@ -107,10 +107,10 @@ def test_forces_grow_with_the_modulus_and_the_square_of_the_size() -> None:
 
 
 def test_only_an_unchanged_finger_is_that_of_the_subject() -> None:
-    assert features.calibrated_subject(ff.Finger.subject("a.h.")) == "a.h."
+    assert presses.calibrated_subject(ff.Finger.subject("a.h.")) == "a.h."
     changed = ff.Finger.subject("a.h.", nail="free")
-    assert features.calibrated_subject(changed) is None
-    assert features.calibrated_subject(ff.Finger.subject("a.h.", tissue="maeno1998")) is None
+    assert presses.calibrated_subject(changed) is None
+    assert presses.calibrated_subject(ff.Finger.subject("a.h.", tissue="maeno1998")) is None
 
 
 def test_a_formula_states_no_error_of_a_finger_of_another_form() -> None:

@@ -12,8 +12,7 @@ import fefinger as ff
 from fefinger import plan
 from fefinger.mechanics import get, linear
 from fefinger.mechanics.evidence import presses, stated_errors
-from fefinger.mechanics.evidence.features import DEGREES, LOGARITHM
-from fefinger.mechanics.evidence.presses import EVIDENCE, read
+from fefinger.mechanics.evidence.presses import DEGREES, EVIDENCE, LOGARITHM, read
 from fefinger.mechanics.evidence.stated_errors import STATED, Estimate, estimate
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate

@@ -5,7 +5,7 @@ import pytest
 import fefinger as ff
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.linear import FAR
-from fefinger.mechanics.press.discretization import CLOSE, NEAR, gap, needs_continuation
+from fefinger.mechanics.press.mesh_limits import CLOSE, NEAR, gap, needs_continuation
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.extend import NOTE
 from fefinger.pipeline import run

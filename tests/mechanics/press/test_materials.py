@@ -9,12 +9,12 @@ import pytest
 from fefinger.validation.problems import published
 from fefinger.validation.problems.grids import box
 
-from fefinger.fem.elements.forms import Elastic
+from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.mechanics import get, linear, names, solid
-from fefinger.mechanics.press import finite_strain, materials
+from fefinger.mechanics.press import finite_strain, problem
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
@@ -45,8 +45,8 @@ def force(**parts: object) -> float:
 
 def test_the_most_pressed_cell_may_lie_in_the_nail() -> None:
     even = box(*3 * (np.linspace(0.0, 1.0, 2),))
-    space = Space(even.points, even.cells, np.full_like(even.tissue, materials.NAIL))
-    elements = continuum(space, {materials.NAIL: material_of(Elastic(2e6, 0.3))})
+    space = Space(even.points, even.cells, np.full_like(even.tissue, problem.NAIL))
+    elements = continuum(space, {problem.NAIL: material_of(Elastic(2e6, 0.3))})
     stretch, _, tissue = finite_strain.most_compressed(elements, np.zeros(space.n_unknowns))
     assert (stretch, tissue) == (pytest.approx(1.0), "nail")
 
@@ -72,8 +72,8 @@ def test_a_nail_of_tissue_is_no_nail_and_a_stiff_one_moves_as_one_piece() -> Non
 
 def test_the_nail_is_a_layer_of_skin_under_its_outline() -> None:
     mesh = load_or_build(FINGER, half=True)
-    found = materials.with_nail(replace(FINGER, nail=NAIL), mesh)
-    nail = found.region == materials.NAIL
+    found = problem.with_nail(replace(FINGER, nail=NAIL), mesh)
+    nail = found.region == problem.NAIL
     assert (mesh.region[nail] == 1).all()
     assert np.array_equal(found.region[~nail], mesh.region[~nail])
     under = np.isin(mesh.cells[nail], mesh.facets["nail"]).any(axis=1)
@@ -183,7 +183,7 @@ def test_single_precision_that_fails_gives_way_with_a_note(
 
 def test_the_held_facets_follow_the_hard_parts() -> None:
     def held(**parts: object) -> tuple[str, ...]:
-        return materials.fixed_facets(replace(FINGER, **parts))
+        return problem.fixed_facets(replace(FINGER, **parts))
 
     assert held() == ("bone", "nail", "cut")
     assert held(cut="nail") == ("bone", "nail")

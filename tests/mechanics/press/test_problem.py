@@ -10,8 +10,8 @@ import pytest
 import fefinger as ff
 from fefinger.fem.contact.patch import smooth_places
 from fefinger.fem.elements.spaces import trace
-from fefinger.mechanics.press.discretization import FORCE_DEPTH
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
+from fefinger.mechanics.press.mesh_limits import FORCE_DEPTH
 from fefinger.mechanics.press.operator import METHOD
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
