@@ -20,8 +20,6 @@ Lengths are in mm, times in s, pressures in kPa, forces in N; x is distal, z dor
 Public names are imported at first use, so that importing the package is cheap.
 """
 
-import importlib
-
 from fefinger.support import VERSION
 
 
@@ -163,6 +161,8 @@ _HOME |= dict.fromkeys(
 
 def __getattr__(name: str) -> "Any":
     """Import a public name at its first use."""
+    import importlib  # not above: Ctrl-C would end its import with a traceback
+
     if name in _MODULES:
         return importlib.import_module(f"fefinger.{name}")
     if name not in _HOME:

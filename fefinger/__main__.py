@@ -8,11 +8,16 @@ import os
 import sys
 
 
+def _not_begun() -> int:
+    """Say that Ctrl-C came before the signals were blocked, and return the exit status."""
+    sys.stderr.write("interrupted; nothing was begun\n")
+    return 130
+
+
 try:
     from fefinger.support.interrupt import interruptible
-except KeyboardInterrupt:  # Ctrl-C before the signals are blocked
-    sys.stderr.write("interrupted; nothing was begun\n")
-    sys.exit(130)
+except KeyboardInterrupt:
+    sys.exit(_not_begun())
 
 
 def _open_streams() -> None:
@@ -30,12 +35,15 @@ def _open_streams() -> None:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit status; by default with the process's arguments."""
     if arguments is None:
-        _open_streams()
-        # New objects per garbage collection: imports make 400,000 that stay, and to look through
-        # them as often as by default takes a second of a run.
-        collect = 20_000
-        gc.set_threshold(collect)
-        return interruptible(lambda: main(sys.argv[1:]))
+        try:
+            _open_streams()
+            # New objects per garbage collection: imports make 400,000 that stay, and to look
+            # through them as often as by default takes a second of a run.
+            collect = 20_000
+            gc.set_threshold(collect)
+            return interruptible(lambda: main(sys.argv[1:]))
+        except KeyboardInterrupt:
+            return _not_begun()
     from fefinger.commands.cli import run
 
     return run(arguments)

@@ -459,6 +459,20 @@ def test_a_flipped_bit_in_the_values_is_noticed(
 
 
 @pytest.mark.usefixtures("plain_report")
+def test_a_heap_of_texts_that_hdf5_would_read_forever_is_refused(
+    synthetic: Result, tmp_path: Path
+) -> None:
+    path = Path(synthetic.save(tmp_path)[0])
+    content = bytearray(path.read_bytes())
+    heap = content.index(b"GCOL") + 16
+    content[heap : heap + 16] = bytes(16)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="damaged or foreign file"):
+        load(tmp_path)
+    assert netcdf.stored(path) is None
+
+
+@pytest.mark.usefixtures("plain_report")
 def test_an_array_that_does_not_fit_into_its_file_is_refused_before_it_is_read(
     synthetic: Result, tmp_path: Path
 ) -> None:

@@ -35,6 +35,9 @@ GROSS = 0.1
 """Largest squared error over the variance of a record for a fit to be accepted. That of the thesis
 on its predicted sinusoids is 0.07."""
 
+TOLD = 2
+"""Reasons that the sentence of a refused fit names, before it says how many more there are."""
+
 AGREES = 0.05
 """Relative error of the fitted R up to which the pad radius counts as identified."""
 
@@ -132,7 +135,9 @@ def refuse_gross(done: Calibration, wanted: RecordTarget) -> None:
     if deep > done.deepest:
         less = f"press less deep than {done.deepest:.2g} mm, where its presses end, and "
     lumped = [f"in the lumped fit of the record, {each}" for each in wanted.lumped.warnings]
-    rest = "".join(f"; {each}" for each in (*lumped, *done.unidentified))
+    reasons = [*lumped, *done.unidentified]
+    more = [f"and {len(reasons) - TOLD} more"] if len(reasons) > TOLD else []
+    rest = "".join(f"; {each}" for each in (*reasons[:TOLD], *more))
     raise ConvergenceError(
         f"{done.target}: expected a fit with an error of at most {100 * GROSS:g} % of the record's "
         f"variance, received {100 * error:.3g} %; {less}check the size of the finger, the units "

@@ -8,7 +8,7 @@ import numpy as np
 
 from fefinger.calibration import lumped_fit
 from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget, peak_after_corner
-from fefinger.calibration.rig import Rig
+from fefinger.calibration.rig import NOISE, UNITS, Rig
 from fefinger.calibration.slow_press import PLATE
 from fefinger.calibration.trace import trace
 from fefinger.scene.finger import Finger
@@ -62,6 +62,8 @@ def made(
     tare = float(force[:free].mean()) if free >= FREE else 0.0
     try:
         parts = split(time, position, force - tare)
+        _check_rig(parts, tare, rig)
+        _check_noise(parts, rig)
         late = peak_after_corner(parts) if rig.is_loose("delay") else 1e-3 * rig.delay[0]
         lumped = _lumped(time, np.interp(time - late, time, position), force - tare)
     except ValueError as error:
@@ -104,6 +106,45 @@ def _lumped(time: Array, position: Array, force: Array) -> Identification:
         with suppress(RuntimeError):
             return joint(time, position, force, terms=terms)
     return joint(time, position, force, terms=1)
+
+
+def _check_rig(parts: RampHold, tare: float, rig: Rig) -> None:
+    """Raise ValueError for a rig that does, or may do, as much to a record as the finger.
+
+    What is usual may, of a slow or light press. An offset is compared with the reading before
+    touch.
+    """
+    seconds, travel = float(np.ptp(parts.time)), float(np.ptp(parts.position))
+    newtons = float(np.ptp(parts.force))
+    off = (1e3 * tare - rig.offset[0], rig.offset[1])
+    whole = {
+        "delay": (rig.delay, 1e3 * seconds, f"{seconds:.3g} s of record"),
+        "lag": (rig.lag, 1e3 * seconds, f"{seconds:.3g} s of record"),
+        "compliance": (rig.compliance, travel / newtons, f"{travel:.3g} mm of travel"),
+        "offset": (off, 1e3 * newtons, f"{newtons:.3g} N of force"),
+        "drift": (rig.drift, 1e3 * newtons / seconds, f"{newtons:.3g} N of force"),
+    }
+    for name, ((mean, sd), most, what) in whole.items():
+        given = getattr(rig, name)
+        if given != getattr(Rig, name) and max(abs(mean), sd) >= most:
+            raise ValueError(
+                f"rig.{name}: expected a rig that does less than the {what}, as {most:.3g} "
+                f"{UNITS[name]} do, received {given[0]:g} +- {given[1]:g} {UNITS[name]}; check its "
+                "unit"
+            )
+
+
+def _check_noise(parts: RampHold, rig: Rig) -> None:
+    """Raise ValueError for a given noise as large as the record, which then says nothing."""
+    force, position = 1e3 * float(np.ptp(parts.force)), float(np.ptp(parts.position))
+    for name, most in (("force_noise", force), ("position_noise", position)):
+        noise = getattr(rig, name)
+        if noise is not None and noise >= most:
+            unit = NOISE[name][0]
+            raise ValueError(
+                f"rig.{name}: expected less than the {most:.3g} {unit} that the record has in all, "
+                f"received {noise:g} {unit}; check its unit"
+            )
 
 
 def check_depth(wanted: RecordTarget, finger: Finger) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from fefinger.calibration.inverse import Unknown, Values
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, number, reject_unknown
+from fefinger.support.checks import InputError, number, reject_unknown, shown
 from fefinger.support.inputs import parse_toml, read_text
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
@@ -28,6 +28,16 @@ SHARED = ("delay", "lag", "compliance")
 """What is the same in all presses of a rig; offset and drift are of a press."""
 
 LEAST = {"lag": 0.0, "compliance": 0.0}
+
+MOST = {"delay": 1e4, "lag": 1e4, "compliance": 100.0, "offset": 1e6, "drift": 1e6}
+"""Largest size of a mean and of a deviation, in UNITS: ten seconds, a newton that moves a rig by
+100 mm, a kilonewton."""
+
+NOISE = {"force_noise": ("mN", 1e6), "position_noise": ("mm", 100.0)}
+"""Units and largest sizes of the noise."""
+
+SURE = 1e-9
+"""Part of these sizes below which a deviation is none, and which a noise is at least."""
 
 USUAL = "usual rigs: a prior of fefinger"
 GIVEN = "given for the rig"
@@ -53,7 +63,7 @@ class Rig:
     Raises
     ------
     InputError
-        For a deviation below 0, or a number that is not finite.
+        For a deviation below 0, or a number that is not finite or beyond MOST.
     """
 
     delay: Prior = (0.0, 2.0)
@@ -71,15 +81,19 @@ class Rig:
             if len(pair) != 2:
                 raise InputError(
                     f"rig.{name}: expected a mean and a standard deviation in {unit}, or the value "
-                    f"alone, received {value!r}"
+                    f"alone, received {shown(value)}"
                 )
-            least = LEAST.get(name)
-            mean = number(f"rig.{name}", pair[0], unit=unit, at_least=least)
-            sd = number(f"rig.{name}: deviation", pair[1], unit=unit, at_least=0)
+            most = MOST[name]
+            low = LEAST.get(name, -most)
+            mean = number(f"rig.{name}", pair[0], unit=unit, at_least=low, at_most=most)
+            sd = number(f"rig.{name}: deviation", pair[1], unit=unit, at_least=0, at_most=most)
+            if 0 < sd < SURE * most:
+                sd = 0.0  # so well known that it is given
             object.__setattr__(self, name, (mean, sd))
-        for name, unit in (("force_noise", "mN"), ("position_noise", "mm")):
+        for name, (unit, most) in NOISE.items():
             if getattr(self, name) is not None:
-                number(f"rig.{name}", getattr(self, name), unit=unit, above=0)
+                value = getattr(self, name)
+                number(f"rig.{name}", value, unit=unit, at_least=SURE * most, at_most=most)
 
     @classmethod
     def from_toml(cls, file: str | Path) -> Self:

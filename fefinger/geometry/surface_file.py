@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 
-WIDTHS = (6.0, 40.0)
-"""Range in mm of the width of a fingertip; outside, the unit is wrong."""
+WIDTHS, USUAL = (6.0, 40.0), 15.0
+"""Range in mm of the width of a fingertip, outside of which the unit is wrong, and a usual one."""
 
 UNITS = {"m": 1e3, "cm": 10.0, "inches": 25.4, "micrometers": 1e-3}
 """mm per unit, to suggest the unit of a file that is not in mm."""
@@ -160,8 +160,9 @@ def _check_likeness(mesh: "Trimesh", axes: Axes, name: str) -> str:
         )
     if WIDTHS[0] <= axes.width <= WIDTHS[1]:
         return size
-    fits = [unit for unit, scale in UNITS.items() if WIDTHS[0] <= axes.width * scale <= WIDTHS[1]]
-    guess = f"; it seems to be in {fits[0]}: scale it by {UNITS[fits[0]]:g}" if fits else ""
+    unit = min(UNITS, key=lambda each: abs(np.log(axes.width * UNITS[each] / USUAL)))
+    fits = WIDTHS[0] <= axes.width * UNITS[unit] <= WIDTHS[1]
+    guess = f"; it seems to be in {unit}: scale it by {UNITS[unit]:g}" if fits else ""
     raise InputError(
         f"{name} has a box of {size}; expected a fingertip in mm, {WIDTHS[0]:g} to "
         f"{WIDTHS[1]:g} mm wide{guess}"

@@ -53,6 +53,13 @@ def read_welded(path: str | Path, field: str) -> "tuple[Trimesh, tuple[str, ...]
         notes.append(f"{dropped} flat or double triangles of {file.name} were dropped.")
     if len(mesh.faces) == 0:
         raise InputError(f"{field}: expected a surface, {file.name} has only flat triangles")
+    spans = np.linalg.svd(mesh.vertices - mesh.vertices.mean(axis=0), compute_uv=False)
+    plane = 1e-3  # least ratio of the extents of a surface; less is one plane
+    if spans[-1] < plane * spans[0]:
+        raise InputError(
+            f"{field}: expected a surface around a volume, the points of {file.name} lie in one "
+            "plane; check how it was exported"
+        )
     parts = mesh.body_count
     if parts > 1:
         notes.append(_largest(mesh, parts, file, field))

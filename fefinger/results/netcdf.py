@@ -18,7 +18,7 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.results.labels import LAYOUT
 from fefinger.scene.scene import Scene
 from fefinger.support.checks import InputError
-from fefinger.support.inputs import unreadable
+from fefinger.support.inputs import check_heaps, unreadable
 
 
 if TYPE_CHECKING:
@@ -35,9 +35,6 @@ result, whose errors are percents."""
 
 DIGEST = "sha256"
 """Attribute with the checksum of the values; results of earlier versions have none."""
-
-DAMAGED = (OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError)
-"""Errors of reading a file that is damaged or not netCDF."""
 
 OF_PLUGIN = ("plugins", "indenter")
 """Beginnings of the fields of errors that a plugin causes, not the saved result."""
@@ -71,6 +68,7 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
     if not hasattr(h5netcdf.File, "_writable"):
         h5netcdf.File._writable = False  # else one of a bad header prints an error when it closes
     try:
+        check_heaps(file)
         with xr.open_dataset(
             file, engine="h5netcdf", decode_times=False, phony_dims="access"
         ) as opened:
@@ -89,7 +87,9 @@ def read(path: str | PathLike[str]) -> result_record.ResultRecord:
                 if not isinstance(result, result_record.ResultRecord):
                     raise TypeError(type(result))
                 return result
-    except DAMAGED as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # of any class, by what the bytes are
         if isinstance(error, InputError) and error.field.startswith(OF_PLUGIN):
             raise
         raise InputError(
@@ -113,10 +113,11 @@ def stored(file: Path) -> frozenset[str] | None:
     if unreadable(file):
         return None
     try:
+        check_heaps(file)
         with h5netcdf.File(file, "r") as opened:
             ours = str(opened.attrs.get("format")).startswith(FAMILY)
             return frozenset(opened.variables) if ours else None
-    except DAMAGED:
+    except Exception:  # of any class, by what the bytes are
         return None
 
 

@@ -13,6 +13,10 @@ LARGEST_RADIUS = 10.0
 """Upper bound in mm of the radius of a population; no finger pad is wider."""
 
 
+MOST_PLACES = 31_416
+"""Largest number of places of a layout: of the closest grid in the widest disc."""
+
+
 Within = Annotated[
     float,
     Key(
@@ -124,7 +128,7 @@ class Line(Layout):
 
     start: Annotated[tuple[float, float], Key("One end [x, y]", unit="mm")]
     stop: Annotated[tuple[float, float], Key("Other end [x, y]", unit="mm")]
-    count: Annotated[int, Key("Number of places", at_least=2)] = 11
+    count: Annotated[int, Key("Number of places", at_least=2, at_most=MOST_PLACES)] = 11
     branched: bool = False
 
     def __post_init__(self) -> None:
@@ -145,9 +149,10 @@ class Places(Layout):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not self.places:
+        if not 1 <= len(self.places) <= MOST_PLACES:
             raise InputError(
-                "ask.population.places: expected a place [x, y] or more, received none"
+                f"ask.population.places: expected 1 to {MOST_PLACES} places [x, y], received "
+                f"{len(self.places) or 'none'}"
             )
 
 

@@ -45,6 +45,9 @@ RECORD_OPTIONS = ("corner", "columns")
 COLUMNS = Way("motion.columns", "columns = {{{name} = {column!r}}} in [motion]")
 """"Where a scene says which column is which."""
 
+FARTHEST = 1e3
+"""Largest distance in mm of the object from the skin: more is another unit, or no number."""
+
 SETTLE = 0.2
 """Time in s of the approach to a preload before a waveform from a file, and of the rest after."""
 
@@ -254,6 +257,11 @@ class SampledMotion(Motion):
             raise InputError(
                 f"motion.depth: expected a press, received {values[0]:g} mm first and values down "
                 f"to {low:g} mm; depth grows into the finger: change the sign"
+            )
+        if not self.by_force and low < -FARTHEST:
+            raise InputError(
+                f"motion.depth: expected depths of at least {-FARTHEST:g} mm, received {low:g} mm; "
+                "below 0 the object is off the skin: check the unit, or cut off what is no press"
             )
         if high <= 0:
             raise InputError(

@@ -20,11 +20,15 @@ from fefinger.scene.oscillation import about_mean, noise, to_and_fro
 from fefinger.scene.samples import Depths, Forces, Measured, SampledMotion, Times
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
+from fefinger.support.checks import InputError
 from fefinger.support.recordings import Recording
 
 
 ANGLES = ("angle", "tilt")
 """Angles of a plate that a path may have."""
+
+OTHER_TURNS = ("yaw", "pitch", "roll")
+"""Names of columns with turns that it has not."""
 
 
 @final
@@ -217,5 +221,12 @@ class SampledPath(SampledMotion):
     def _read_columns(cls, record: Recording, named: Mapping[str, str]) -> tuple[str, ...]:
         """Time and path, and of the angles of the plate those that there are."""
         headers = [*(header.lower() for header in record.headers), *named]
+        for header, values in zip(record.headers, record.values.T, strict=True):
+            if header.lower().startswith(OTHER_TURNS) and np.ptp(values) > 0:
+                raise InputError(
+                    f"{record.source}: column {header!r}: expected no turn of a plate but "
+                    f"{' and '.join(ANGLES)}, received one that changes, which is not modeled; "
+                    "leave the column out to go without it"
+                )
         turns = (name for name in ANGLES if any(each.startswith(name) for each in headers))
         return ("time", "x", "y", *turns)

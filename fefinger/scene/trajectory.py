@@ -180,6 +180,12 @@ class Trajectory:
                 f"motion.corner: expected at most {longest:.6g} s, the shortest straight part, "
                 f"received {corner:g}; take a shorter one, or 0 for sharp ones"
             )
+        least = _SHORTEST * float(t[kink].max(initial=0.0))
+        if 0 < corner < least:
+            raise InputError(
+                f"motion.corner: expected at least {least:.3g} s, above rounding, or 0 for sharp "
+                f"ones, received {corner:g}"
+            )
         # About a kink with a corner a parabola, and then a line; else a line alone.
         rounded = kink & (corner > 0)
         begins = np.flatnonzero((kink | (np.arange(len(t)) == 0)) & ~rounded)

@@ -16,6 +16,12 @@ PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolutio
 LONGEST = 2000
 """Characters of a line of a message; the middle of a longer line, a value, is left out."""
 
+LONG_VALUE = 160
+"""Characters of a value in a message, of which the middle of a longer one is left out."""
+
+WORD = re.compile(rf"\S{{{LONG_VALUE + 1},}}")
+"""A value without a space that is longer."""
+
 TINY, HUGE = 1e-30, 1e30
 """Least number above 0, and largest size of a number: powers and quotients of them stay finite."""
 
@@ -67,18 +73,27 @@ def _sentence(message: str) -> str:
     """Return a message with its lines shortened and unprintable characters escaped."""
     lines = []
     for line in message.split("\n"):
-        if len(line) > LONGEST:
-            line = f"{line[: 2 * LONGEST // 3]} [...] {line[-LONGEST // 4 :]}"
+        line = _without_middle(WORD.sub(lambda found: _without_middle(found[0], LONG_VALUE), line))
         if not line.isprintable():
             line = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
         lines.append(line)
     return "\n".join(lines)
 
 
+def _without_middle(text: str, longest: int = LONGEST) -> str:
+    """Return a text, or the beginning and the end of a longer one."""
+    if len(text) <= longest:
+        return text
+    return f"{text[: 2 * longest // 3]} [...] {text[-longest // 4 :]}"
+
+
 def shown(value: object) -> str:
-    """Return a value as text for messages; its type if it is too long or deep to print."""
+    """Return a value as text for messages, at most LONG_VALUE characters of it.
+
+    Its type if it is too long or deep to print.
+    """
     try:
-        return repr(value)
+        return _without_middle(repr(value), LONG_VALUE)
     except (ValueError, RecursionError):  # ValueError: a whole number of thousands of digits
         return f"a {type(value).__name__} that is too long to print"
 
@@ -217,7 +232,9 @@ def numbers(
     if limits.keys() - {"unit"} or not sized:
         result = tuple(number(f"{name}[{i}]", value, **limits) for i, value in enumerate(result))
     if count is not None and len(result) != count:
-        raise InputError(f"{name}: expected {wanted}, received {len(result)}: {list(result)}")
+        raise InputError(
+            f"{name}: expected {wanted}, received {len(result)}: {shown(list(result))}"
+        )
     return result
 
 

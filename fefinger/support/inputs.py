@@ -5,8 +5,10 @@ nested values, as does what uses the values later.
 """
 
 import json
+import mmap
 import os
 import stat
+import struct
 import tomllib
 import warnings
 from collections.abc import Mapping
@@ -32,6 +34,9 @@ WIDEST = 64
 MOST = 4_000_000
 """Largest number of samples or rows of a file: an hour at 1 kHz."""
 
+
+HEAP = b"GCOL\x01\0\0\0"
+"""Beginning of a heap of an HDF5 file, which holds texts of any length."""
 
 BOUNDS = (
     f"expected values inside at most {DEEPEST} tables or lists, and whole numbers of at most "
@@ -109,6 +114,24 @@ def read_json(path: str | PathLike[str]) -> Any:
     except (RecursionError, ValueError) as error:
         message = f"record: expected a JSON file, received {os.fspath(path)!r}: {error}"
         raise InputError(message) from None
+
+
+def check_heaps(path: str | PathLike[str]) -> None:
+    """Raise ValueError where a heap of texts of an HDF5 file is damaged: HDF5 may read on forever.
+
+    The library goes from entry to entry by their lengths, also where a length is 0.
+    """
+    with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        start = content.find(HEAP)
+        while start >= 0:
+            end = start + int.from_bytes(content[start + 8 : start + 16], "little")
+            at = start + 16
+            while at + 16 <= min(end, len(content)):
+                used, size = struct.unpack("<H6xQ", content[at : at + 16])
+                at += 16 + (size + 7) // 8 * 8 if used else size
+                if at > end or not (used or size):
+                    raise ValueError("a heap of texts is damaged")
+            start = content.find(HEAP, start + 1)
 
 
 def read_report(name: str) -> str:

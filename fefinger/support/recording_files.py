@@ -17,7 +17,7 @@ import numpy as np
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.csv_columns import shortened
-from fefinger.support.inputs import MOST, check_input
+from fefinger.support.inputs import MOST, check_heaps, check_input
 from fefinger.support.recordings import Recording, is_unit
 
 
@@ -206,11 +206,7 @@ def _numbers(
 ) -> Array:
     """Return the numbers (n, count) of rows; InputError for a line that is none."""
     separator, decimal = style
-    if len(rows) > MOST:
-        raise InputError(
-            f"{field}: expected at most {MOST} rows of {count} numbers, received {len(rows)}; take "
-            "fewer, or the part that matters"
-        )
+    _check_rows(field, len(rows), count)
     body = "\n".join(line for _, line in rows)
     body = body.replace(",", ".") if decimal == "," else body
     try:
@@ -311,18 +307,46 @@ def _hdf5(field: str, path: Path) -> Mapping[str, Any]:
 
     found: dict[str, Any] = {}
 
+    most = 1.25e8  # numbers: a gigabyte of them
+
     def visit(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iuf":
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iuf" and item.size is not None:
+            if sum(values.size for _, values in found.values()) + item.size > most:
+                raise InputError(
+                    f"{field}: expected at most {most:g} numbers, received more in "
+                    f"{name!r}; cut out the part that matters"
+                )
             unit = next((item.attrs[key] for key in ("units", "unit") if key in item.attrs), "")
-            unit = unit.decode() if isinstance(unit, bytes) else str(unit)
-            found[name.replace("/", ".")] = (unit, np.asarray(item[()]))
+            found[name.replace("/", ".")] = (_unit(unit), np.asarray(item[()]))
 
     try:
+        check_heaps(path)
         with h5py.File(path) as file:
             file.visititems(visit)
-    except OSError as error:
-        raise InputError(f"{field}: expected an HDF5 file, received another: {error}") from None
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:  # of any class, by what the bytes are
+        raise InputError(
+            f"{field}: expected an HDF5 file, received a damaged or another one: {error}"
+        ) from None
     return found
+
+
+def _unit(stated: object) -> str:
+    """Return a unit as an attribute states it; "" for what is no text."""
+    value = stated.item() if isinstance(stated, np.ndarray) and stated.size == 1 else stated
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    return value if isinstance(value, str) else ""
+
+
+def _check_rows(field: str, length: int, count: int) -> None:
+    """Raise InputError for more rows than MOST."""
+    if length > MOST:
+        raise InputError(
+            f"{field}: expected at most {MOST} rows of {count} numbers, received {length}; take "
+            "fewer, or the part that matters"
+        )
 
 
 def _columns(field: str, stored: Mapping[str, Any]) -> Recording:
@@ -347,6 +371,7 @@ def _columns(field: str, stored: Mapping[str, Any]) -> Recording:
     lengths = Counter(len(each.values) for each in series)
     length = max(lengths, key=lambda size: (lengths[size], size))
     series = [each for each in series if len(each.values) == length]
+    _check_rows(field, length, len(series))
     step = next((scalars[name] for name in STEPS if scalars.get(name, 0.0) > 0), None)
     rate = next((scalars[name] for name in RATES if scalars.get(name, 0.0) > 0), None)
     if step is None and rate is not None:

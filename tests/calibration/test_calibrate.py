@@ -150,6 +150,9 @@ def test_a_finger_that_does_not_show_its_record_is_no_calibration(fitted):
     late = replace(wanted, lumped=replace(wanted.lumped, warnings=("the force lags",)))
     with pytest.raises(ConvergenceError, match=r"press less deep than 0\.5 mm.* lags"):
         refuse_gross(replace(gross, deepest=0.5), late)
+    many = replace(gross, unidentified=tuple(f"v{k}: at its bound" for k in range(9)))
+    with pytest.raises(ConvergenceError, match=r"; v1: at its bound; and 7 more$"):
+        refuse_gross(many, replace(wanted, lumped=replace(wanted.lumped, warnings=())))
 
 
 def test_a_record_without_noise_is_calibrated_within_the_error_of_one_g(

@@ -35,6 +35,11 @@ BAD = {
     "below 0": ("drift = [0, -1]", "rig.drift"),
     "no give": ("compliance = -0.1", "rig.compliance"),
     "no noise": ("force_noise = 0", "rig.force_noise"),
+    "hardly any noise": ("position_noise = 1e-30", "rig.position_noise"),
+    "a huge noise": ("force_noise = 1e30", "rig.force_noise"),
+    "a huge mean": ("offset = -1e30", "rig.offset"),
+    "a huge deviation": ("delay = [0, 1e30]", "rig.delay"),
+    "a long list": (f"delay = {[0] * 10_000}", "rig.delay"),
     "no TOML": ("delay =", "--rig"),
 }
 
@@ -46,8 +51,37 @@ def test_a_rig_that_is_none_is_refused(tmp_path, text, field):
     with pytest.raises(InputError) as caught:
         Rig.from_toml(file)
     assert field in str(caught.value)
+    assert len(str(caught.value)) < 300
     with refused("--rig"):
         Rig.from_toml(tmp_path / "none.toml")
+
+
+def test_a_deviation_of_next_to_nothing_is_none():
+    assert Rig(delay=(0.4, 1e-30)) == Rig(delay=0.4)
+
+
+MORE = {
+    "delay": (2000.0, 0.0),
+    "lag": (2000.0, 0.0),
+    "compliance": (5.0, 0.01),
+    "offset": (1e5, 0.0),
+    "drift": (0.0, 1e5),
+}
+NOISY = {"force_noise": 1e5, "position_noise": 50.0}
+
+
+@pytest.mark.parametrize("name", MORE)
+def test_a_rig_that_does_more_than_a_record_moves_is_refused_before_any_fit(name, law, monkeypatch):
+    monkeypatch.setattr(record_file, "_lumped", None)
+    with pytest.raises(InputError, match=rf"twin: rig\.{name}: expected a rig that does less than"):
+        record_file.made("twin", *press(law), "coarse", Rig(**{name: MORE[name]}))
+
+
+@pytest.mark.parametrize("name", NOISY)
+def test_a_noise_as_large_as_a_record_is_refused_before_any_fit(name, law, monkeypatch):
+    monkeypatch.setattr(record_file, "_lumped", None)
+    with pytest.raises(InputError, match=rf"twin: rig\.{name}: expected less than the"):
+        record_file.made("twin", *press(law), "coarse", Rig(**{name: NOISY[name]}))
 
 
 def test_a_low_pass_answers_a_ramp_as_in_its_closed_form():

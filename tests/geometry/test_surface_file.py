@@ -108,11 +108,18 @@ def moved(scale: float = 1.0, turn: tuple[int, ...] = (0, 1, 2)) -> Callable[[An
     return change
 
 
+def flattened(mesh: Any) -> Any:
+    mesh.vertices[:, 2] = 0.3 * mesh.vertices[:, 1]
+    return mesh
+
+
 REFUSED = [
     (cut_open, r"has a hole \d+\.?\d* mm wide near \("),
     (two, "has 2 separate ones"),
     (moved(1e-3), "seems to be in m: scale it by 1000"),
     (moved(0.1), "seems to be in cm: scale it by 10"),
+    (moved(1.2 / 25.4), "seems to be in inches: scale it by 25.4"),  # or 6.6 mm in cm
+    (flattened, "lie in one plane"),
     (moved(1e-6), "expected a fingertip in mm, 6 to 40 mm wide"),
     (pinched, "is not shaped as a fingertip"),
     (lambda _: trimesh.creation.icosphere(3, 7.0), "is not shaped as a fingertip"),

@@ -381,6 +381,8 @@ def test_a_corner_that_is_not_given_is_as_long_as_the_parts_of_the_motion_allow(
         (lambda: Sampled([0, 1e-300], [0, 1e20]), r"motion: .* received inf; check whether times"),
         (lambda: RampHold(10, 1, hold=1, corner=1e-310), r"motion.corner: expected at least 1e-99"),
         (lambda: Trapezoid(1e7, 1, hold=1e6, corner=0), "motion: .* parts longer than rounding"),
+        (lambda: Trapezoid(20, 1, hold=1, corner=1e-30), "motion.corner: .* above rounding"),
+        (lambda: Sampled([0, 1], [-1e30, 1]), "motion.depth: .* at least -1000 mm, received -1e"),
         (lambda: Sampled([0, 1, 2], force=[0, 1, -1]), r"motion.force: .*cannot pull"),
     ],
 )

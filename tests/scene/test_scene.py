@@ -269,6 +269,12 @@ BAD_TABLES = [
     (press(sped=3), r"sped: unknown key in \[motion\]. Did you mean 'speed'\?"),
     (press(rel_error=0.1), r"rel_error: unknown key in \[motion\]; it belongs in \[ask\]"),
     (press(radius=3), r"indenter.radius is a key of the indenters 'sphere', 'cylinder'"),
+    (at_places(places=[[0, 0]] * 31_417), r"ask.population.places: expected 1 to 31416 places"),
+    (at_places(places=[]), r"ask.population.places: expected 1 to .* received none"),
+    (
+        {"ask": {"population": {"kind": "line", "start": [0, 0], "stop": [1, 0], "count": 10**9}}},
+        r"ask.population.count: .* at most 31416, received 1000000000",
+    ),
     (at_places(spacing=1), r"ask.population.spacing is a key of the population 'grid'. Known keys"),
     ({"finger": {"mechanics": "solid"}}, r"mechanics: unknown key in \[finger\]; .* ask.mechanics"),
     (press(speed=0), r"motion.speed: .*above 0, received 0"),

@@ -93,6 +93,18 @@ def test_a_path_is_read_beside_the_scene_file(tmp_path: Path, control: str):
     assert not motion.mirrored
 
 
+@pytest.mark.parametrize("name", ["yaw", "Roll (deg)"])
+def test_a_turn_that_is_not_modeled_is_refused_unless_it_is_none(tmp_path: Path, name: str):
+    file = tmp_path / "path.csv"
+    file.write_text(f"time,x,y,depth,{name}\n0,0,0,0,3\n1,2,0,0.5,3\n")
+    assert ff.SampledPath.from_csv(file).shift(1.0) == pytest.approx([2, 0])
+    file.write_text(f"time,x,y,depth,{name}\n0,0,0,0,3\n1,2,0,0.5,4\n")
+    with pytest.raises(
+        InputError, match=re.escape(f"column {name!r}: expected no turn of a plate but angle")
+    ):
+        ff.SampledPath.from_csv(file)
+
+
 BAD = [
     (lambda: ff.Slide(60, 1, distance=0), "motion.distance: .* above 0"),
     (lambda: ff.Slide(60, 1, distance=5, passes=0), "motion.passes: .* at least 1"),

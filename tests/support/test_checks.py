@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fefinger.support.checks import (
+    LONG_VALUE,
     LONGEST,
     InputError,
     boolean,
@@ -128,6 +129,15 @@ def test_a_message_is_printable_and_its_lines_are_short():
     assert first.endswith("y'; take less")
     assert len(first) <= LONGEST
     assert second == "\\x1b[2J\\u202e² é " + "z" * 100
+
+
+@pytest.mark.parametrize("value", ["y" * 100_000, ["a b"] * 10_000, {"a": "b " * 10_000}])
+def test_a_long_value_is_shown_by_its_ends(value):
+    with pytest.raises(InputError) as told:
+        boolean("x", value)
+    assert len(str(told.value)) < 2 * LONG_VALUE
+    assert " [...] " in str(told.value)
+    assert len(str(InputError(f"x: received {'y' * 100_000!r}, no folder"))) < 2 * LONG_VALUE
 
 
 def test_whole_numbers_of_thousands_of_digits_are_refused():

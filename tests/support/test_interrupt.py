@@ -11,6 +11,8 @@ from pathlib import Path
 import interrupts
 import pytest
 
+import fefinger
+
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 
@@ -162,6 +164,35 @@ import fefinger.__main__
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (130, "")
     assert done.stderr == "interrupted; nothing was begun\n"
+
+
+@pytest.mark.parametrize("step", ["_open_streams", "interruptible"])
+def test_ctrl_c_while_signals_are_being_blocked_is_a_sentence_too(step):
+    code = f"""
+import fefinger.__main__ as it
+def pressed(*given):
+    raise KeyboardInterrupt
+it.{step} = pressed
+raise SystemExit(it.main())
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "interrupted; nothing was begun\n"
+
+
+def test_the_package_imports_nothing_of_others_before_signals_can_be_blocked():
+    """Ctrl-C in such an import ends in a traceback: no code runs yet that could catch it."""
+    code = f"""
+import sys
+sys.path.insert(0, {os.fspath(Path(fefinger.__file__).parents[1])!r})
+class Others:
+    def find_spec(self, name, *rest):
+        if name.partition(".")[0] != "fefinger":
+            raise SystemError(name)
+sys.meta_path.insert(0, Others())
+import fefinger
+"""
+    subprocess.run([sys.executable, "-S", "-E", "-c", code], check=True)
 
 
 def test_a_library_leaves_ctrl_c_to_python():

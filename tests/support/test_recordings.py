@@ -1,5 +1,7 @@
 """Records as rigs write them: one press in many files, and the sentences on what cannot be told."""
 
+import io
+
 import h5py
 import numpy as np
 import pytest
@@ -143,6 +145,79 @@ def test_bytes_that_are_no_file_of_their_kind_are_refused(tmp_path, name):
         recording_files.read(str(file), file)
     with pytest.raises(InputError, match="does not exist"):
         recording_files.read("file", tmp_path / f"no{name}")
+
+
+def hdf5(file, **options):
+    """Write a press to an HDF5 file, with its units."""
+    with h5py.File(file, "w") as out:
+        for name, unit, column in zip(WANTED, ("s", "mm", "N"), PRESS.T, strict=True):
+            out.create_dataset(name, data=column, **options).attrs["units"] = unit
+    return file
+
+
+def an_entry_of_no_length(content):
+    """Make an entry that the library would read forever."""
+    heap = content.index(b"GCOL") + 16
+    content[heap : heap + 16] = bytes(16)
+
+
+def an_entry_beyond_its_heap(content):
+    heap = content.index(b"GCOL") + 16
+    content[heap + 8 : heap + 16] = b"\xff" * 8
+
+
+def without_names(content):
+    """Damage the names, at which the library raises RuntimeError."""
+    content[:] = content.replace(b"SNOD", b"xxxx")
+
+
+def cut_short(content):
+    del content[-64:]
+
+
+def wrong_chunk(content):
+    with h5py.File(io.BytesIO(bytes(content))) as file:
+        place = file["force"].id.get_chunk_info(0).byte_offset
+    content[place] ^= 0xFF
+
+
+DAMAGE = (an_entry_of_no_length, an_entry_beyond_its_heap, without_names, cut_short, wrong_chunk)
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_hdf5_file_is_refused_in_a_sentence(tmp_path, damage):
+    file = hdf5(tmp_path / "a.h5", chunks=(6,), compression="gzip", fletcher32=True)
+    content = bytearray(file.read_bytes())
+    damage(content)
+    file.write_bytes(content)
+    with pytest.raises(
+        InputError, match=r"a\.h5: expected an HDF5 file, received a damaged"
+    ) as told:
+        recording_files.read("a.h5", file)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("unit", "size"),
+    [(np.array(["mN"], object), 1e-3), (np.bytes_(b"mN"), 1e-3), (5, 1), ([1, 2], 1)],
+    ids=str,
+)
+def test_a_unit_that_is_no_text_is_none(tmp_path, unit, size):
+    file = hdf5(tmp_path / "a.h5")
+    with h5py.File(file, "r+") as out:
+        out["force"].attrs["units"] = unit
+        out.create_dataset("nothing", data=h5py.Empty("f8"))
+    np.testing.assert_allclose(recording_files.read("a", file).pick(WANTED), PRESS * [1, 1, size])
+
+
+@pytest.mark.parametrize("shape", [(10**6, 10**6), (5 * 10**6,)], ids=["square", "long"])
+def test_numbers_that_do_not_fit_into_memory_are_refused_before_they_are_read(tmp_path, shape):
+    file = hdf5(tmp_path / "a.h5")
+    with h5py.File(file, "r+") as out:
+        for name in "abcd":
+            out.create_dataset(name, shape=shape, chunks=(1000,) * len(shape), dtype="i1")
+    with pytest.raises(InputError, match=r"a: expected at most [\d.e+]+ (numbers|rows)"):
+        recording_files.read("a", file)
 
 
 def test_times_in_milliseconds_are_told_unless_a_unit_is_stated():

@@ -125,16 +125,18 @@ def grid_of(layers: Stack, reach: float, step: float) -> LayerGrid:
     InputError if it would not fit into memory.
     """
     around = 1.0  # free skin about the contact, both sides together, in thicknesses of the layers
-    side = 2 * reach + around * layers.thickness
-    points = fft.next_fast_len(math.ceil(side / step))
-    while points % 2:
-        points = fft.next_fast_len(points + 1)
     most = 1024  # most grid points of a side: half a GB, and a second a step
+    side = 2 * reach + around * layers.thickness
+    points = math.ceil(side / step)
+    if points <= most:
+        points = fft.next_fast_len(points)
+    while points <= most and points % 2:
+        points = fft.next_fast_len(points + 1)
     if points > most:
         raise InputError(
             f"indenter: expected an object whose contact, {2 * reach:.3g} mm wide, a grid of "
             f"{most} points a side resolves, received one that needs points {step:.2g} mm apart, "
-            f"{points} a side; take rounder edges, or larger parts or ridges, or press less"
+            f"{points:.4g} a side; take rounder edges, or larger parts or ridges, or press less"
         )
     return LayerGrid(layers, points, step, width=reach / 2)
 

@@ -164,7 +164,7 @@ def _even(motion: Motion, time: Array, refine: int, friction: float) -> LoadStep
             gone = distance[inside] - distance[first]
             passed = time[inside] - time[first]
             due = BY_DISTANCE * gone + BY_TIME * gone[-1] * passed / passed[-1]
-            coordinate[inside] = coordinate[first] + due
+            coordinate[inside] = coordinate[first] + due / motion.peak  # else a tiny one is lost
             count = max(int(np.ceil(refine * due[-1] / motion.peak)), least)
             even = np.linspace(0, due[-1], count + 1)[1:]
             marks = np.searchsorted(due, even * (1 - STILL))  # rounding makes no step late

@@ -9,7 +9,7 @@ import fefinger as ff
 from fefinger.contact.gridded import GridContact
 from fefinger.mechanics import layered
 from fefinger.mechanics.press import layer_press
-from fefinger.mechanics.press.layer_gap import LayerGap
+from fefinger.mechanics.press.layer_gap import LayerGap, grid_of
 from fefinger.mechanics.press.layer_grid import LayerGrid
 from fefinger.mechanics.press.layer_press import LayerPress, blocks, linear
 from fefinger.mechanics.situation import Situation
@@ -235,3 +235,9 @@ def test_the_grid_contact_is_a_stepper_of_any_loop():
     contact = GridContact(COARSE.compliance, (96, 96), 0.14, gap, FINGER.prony.branches)
     assert contact.depth == 0.0  # exact: nothing has been pressed
     assert not contact.pressure.any()
+
+
+@pytest.mark.parametrize("step", [1e-4, 1e-30])
+def test_a_grid_that_would_not_fit_into_memory_is_refused(step: float) -> None:
+    with pytest.raises(InputError, match=r"indenter: expected an object .* points a side"):
+        grid_of(STACK, 2.0, step)

@@ -58,6 +58,16 @@ def test_a_plain_ramp_is_solved_at_every_twelfth_of_its_depth(depth: float):
     assert np.abs(steps.value[:, None] - twelfths).min(axis=0).max() < 1e-9
 
 
+def test_a_tiny_motion_after_a_long_rest_is_interpolated_as_a_large_one() -> None:
+    """Beside the time of the rest, its distances in mm would be lost to rounding."""
+    tiny, large = (Sampled([0, 1, 1e3, 1e3 + 1], [0, a, a, 2 * a]) for a in (1e-30, 1.0))
+    answers = []
+    for motion in (tiny, large):
+        steps = load_steps(motion, time_grid(motion, fast=False), PRONY)
+        answers.append(steps.bounded(steps.value / motion.peak))
+    np.testing.assert_allclose(*answers, rtol=1e-9, atol=1e-12)
+
+
 def test_nothing_below_zero_comes_of_forces_that_push():
     motion = Trapezoid(20, 1.0, hold=0.2)
     steps = load_steps(motion, time_grid(motion, fast=True), PRONY)
