@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fefinger.mesh.finger_shape import Shape
     from fefinger.scene.finger import Finger
 
-FILE = "mesh.mesh_record"
+FILE = "mesh.vtu"
 """File of a cached mesh, beside its sidecar."""
 
 

@@ -150,7 +150,7 @@ def test_new_mesh_is_built_once_and_cached(
         assert np.array_equal(store.load_or_build(recipe, half=True).points, mesh.points)
     assert calls == [recipe]
     (place,) = (no_cache / "meshes").iterdir()
-    for number, name in enumerate(("mesh.mesh_record", "mesh.json"), start=2):
+    for number, name in enumerate(("mesh.vtu", "mesh.json"), start=2):
         flip(place / name)
         found = store.load_or_build(recipe, half=True)
         np.testing.assert_allclose(found.points, mesh.points, rtol=1e-12)
