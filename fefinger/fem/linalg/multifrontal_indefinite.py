@@ -187,15 +187,22 @@ def _mirrored(lower: Floats, out: Floats) -> bool:
 
 @njit(cache=True, nogil=True)
 def _forward(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
-    """Forward substitution in place, for (n,) or (n, k) in the order of elimination."""
+    """Forward substitution in place, for (n,) or (n, k) in the order of elimination.
+
+    Rows are subtracted in loops: as expressions of arrays they take seconds to compile.
+    """
     place = first = 0
+    columns = work.size // len(work)
+    wide = work.reshape(len(work), columns)
     for f in range(len(table)):
         start, stop, m = table[f]
         n = stop - start
         below = values[place + n * n : place + n * (n + m)].reshape(m, n)
-        part = np.dot(below, work[start:stop])
+        part = np.dot(below, work[start:stop]).reshape(m, columns)
         for i in range(m):
-            work[rest[first + i]] -= part[i]
+            row = rest[first + i]
+            for c in range(columns):
+                wide[row, c] -= part[i, c]
         place, first = place + n * (n + m), first + m
 
 
@@ -203,11 +210,21 @@ def _forward(table: Integers, rest: Integers, values: Floats, work: Floats) -> N
 def _backward(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
     """Backward substitution in place, for (n,) or (n, k) in the order of elimination."""
     place, first = len(values), len(rest)
+    columns = work.size // len(work)
+    wide, solved = work.reshape(len(work), columns), np.empty_like(work)
+    flat = solved.reshape(len(work), columns)
     for f in range(len(table) - 1, -1, -1):
         start, stop, m = table[f]
         n = stop - start
         place, first = place - n * (n + m), first - m
         inverse = values[place : place + n * n].reshape(n, n)
         below = values[place + n * n : place + n * (n + m)].reshape(m, n)
-        solved = work[rest[first : first + m]]
-        work[start:stop] = np.dot(inverse, work[start:stop]) - np.dot(below.T, solved)
+        for i in range(m):
+            row = rest[first + i]
+            for c in range(columns):
+                flat[i, c] = wide[row, c]
+        own = np.dot(inverse, work[start:stop]).reshape(n, columns)
+        other = np.dot(below.T, solved[:m]).reshape(n, columns)
+        for i in range(n):
+            for c in range(columns):
+                wide[start + i, c] = own[i, c] - other[i, c]
