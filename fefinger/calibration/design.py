@@ -12,6 +12,7 @@ import numpy as np
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.force import MODULUS, SHAPE, Forces, prony_of, relaxation_unknowns
 from fefinger.calibration.inverse import Values, judged
+from fefinger.calibration.noise import white
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget
 from fefinger.calibration.rig import Rig
@@ -124,16 +125,14 @@ def expected(press: Candidate, law: ForceLaw, rig: Rig) -> RecordTarget:
         record = split(time, position, force)
     except ValueError as error:
         raise InputError(f"press at {press.speed:g} mm/s, {press.rate:g} Hz: {error}") from None
-    noise = (
-        1e-3 * (rig.force_noise or FORCE_NOISE),
-        rig.position_noise or POSITION_NOISE,
-    )
-    reduced = trace(replace(record, position_noise=noise[1]), force[: len(record.time)], noise[1])
+    noise = white(1e-3 * (rig.force_noise or FORCE_NOISE))
+    jitter = rig.position_noise or POSITION_NOISE
+    reduced = trace(replace(record, position_noise=jitter), force[: len(record.time)], jitter)
     lumped = Identification(Spring(0.2, 2.0, 0.0), law.prony, {}, 0.0, 1.0)
     size = len(reduced.time)
     least = (MESH["coarse"], ONE_G)
     target = RecordTarget(
-        *("design", record, lumped, reduced, 0.0, noise, rig, "coarse", "", PLATE),
+        *("design", record, lumped, reduced, 0.0, noise, jitter, rig, "coarse", "", PLATE),
         least,
         np.eye(size),
     )

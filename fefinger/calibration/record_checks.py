@@ -32,6 +32,12 @@ MORE = {
 CONTACT = 0.02
 """Part of the largest force from which a record is in contact, as in `ramp_hold.split`."""
 
+CERTAIN = 6.0
+"""Standard deviations of a smoothed force that its noise does not reach in a record."""
+
+AVERAGED = 0.1
+"""Time in s of an average by which the color of noise is told."""
+
 AT_TOP = 5
 """Successive samples at the largest force that noise does not give."""
 
@@ -52,8 +58,9 @@ def findings(target: RecordTarget, values: Values, deviations: Values) -> tuple[
     """List the faults of a record and its rig; values and deviations of its fit."""
     found = [
         *_of_rig(target, values, deviations),
+        *_of_noise(target),
         *_before_touch(target),
-        *_on_the_ramp(target),
+        *_on_the_ramp(target, values),
         *_saturated(target.record),
         *_sampled(target, values),
     ]
@@ -89,10 +96,29 @@ def _of_rig(target: RecordTarget, values: Values, deviations: Values) -> Iterato
             yield Finding(text, float(record.time[place]))
 
 
+def _of_noise(target: RecordTarget) -> Iterator[Finding]:
+    """Tell of noise that averages do not lessen."""
+    noise, record = target.force_noise, target.record
+    step = float(np.median(np.diff(record.time)))
+    count = min(max(round(AVERAGED / step), 1), len(record.time))
+    more = noise.of_average(count) * np.sqrt(count) / noise.sd
+    if noise.colored and more > 1:
+        yield Finding(
+            f"colored noise: an average of the force over {count * step:.2g} s is {more:.2g} times "
+            "less sure than with white noise of its size, which the deviations include; look for "
+            "hum, a filter, or a sensor that warms up"
+        )
+
+
+def _smoothed_noise(target: RecordTarget) -> float:
+    """Return the standard deviation in N of the noise of a smoothed force."""
+    return target.force_noise.of_average(SMOOTHING)
+
+
 def _before_touch(target: RecordTarget) -> Iterator[Finding]:
     """Tell of a missing rest before touch, and of an earlier touch."""
     record = target.record
-    limit = max(2 * target.noise[0], CONTACT * float(record.force.max()))
+    limit = max(CERTAIN * _smoothed_noise(target), CONTACT * float(record.force.max()))
     before = smooth(record.force)[: record.touch]
     above = np.flatnonzero(before > limit)
     if above.size and above[-1] < record.touch - SMOOTHING:
@@ -115,17 +141,23 @@ def _before_touch(target: RecordTarget) -> Iterator[Finding]:
         )
 
 
-def _on_the_ramp(target: RecordTarget) -> Iterator[Finding]:
-    """Tell of a force that falls while the indenter goes in: it slips, or the finger yields."""
+def _on_the_ramp(target: RecordTarget, values: Values) -> Iterator[Finding]:
+    """Tell of a force that falls while the indenter goes in: it slips, or the finger yields.
+
+    A force that is ahead of the position falls before the hold.
+    """
     record = target.record
-    ramp = slice(record.touch, max(record.beyond - SMOOTHING, record.touch))
+    ahead = 1e-3 * min(target.rig.at(values, target.press)["delay"], 0.0)
+    end = int(np.searchsorted(record.time, record.time[record.beyond] + ahead)) - SMOOTHING
+    ramp = slice(record.touch, max(end, record.touch))
     forward = np.diff(smooth(record.position)[ramp]) > 0
     force = smooth(record.force)[ramp]
     if len(force) < SMOOTHING:
         return
     fallen = np.maximum.accumulate(force) - force
     at = int(np.argmax(fallen))
-    limit = max(3 * target.noise[0], CONTACT * float(record.force.max()))
+    falls = np.sqrt(2) * CERTAIN * _smoothed_noise(target)
+    limit = max(falls, CONTACT * float(record.force.max()))
     if fallen[at] > limit and forward[: max(at, 1)].mean() > 0.5:
         when = float(record.time[ramp][at])
         yield Finding(

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from fefinger.calibration import lumped_fit
+from fefinger.calibration.noise import Noise, estimated, of_hold
 from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget, peak_after_corner
 from fefinger.calibration.rig import NOISE, UNITS, Rig
 from fefinger.calibration.slow_press import PLATE
@@ -75,29 +76,31 @@ def made(
             f"is a finger, and that its hold of {parts.hold_seconds:.3g} s is long enough to relax"
         ) from None
     _check_finger(name, parts, lumped)
+    jitter = parts.position_noise if rig.position_noise is None else rig.position_noise
+    reduced = trace(parts, parts.force + tare, jitter)
     noise = _noise_of(parts, free, rig)
-    reduced = trace(parts, parts.force + tare, noise[1])
-    sd = np.maximum(noise[0], 1e-3 * np.ptp(reduced.force)) / np.sqrt(reduced.size)
-    first = np.diag(np.hypot(sd, 5e-3 * np.abs(reduced.force)))
+    spread = noise.covariance(reduced.size)
+    # The first fit takes the model for less sure than the noise, which may be nothing.
+    rough = (5e-3 * reduced.force) ** 2
+    rough += np.maximum((1e-3 * np.ptp(reduced.force)) ** 2 - noise.sd**2, 0) / reduced.size
     return RecordTarget(
-        *(name, parts, lumped, reduced, tare, noise, rig, mesh, press, indenter),
+        *(name, parts, lumped, reduced, tare, noise, jitter, rig, mesh, press, indenter),
         (MESH[mesh], ONE_G),
-        first,
+        np.asarray(np.linalg.cholesky(spread + np.diag(rough))),
     )
 
 
-def _noise_of(record: RampHold, free: int, rig: Rig) -> tuple[float, float]:
-    """Return the noise of one sample in N and mm: given, or of the hold and the rest before."""
-    force = record.force_noise
-    if rig.force_noise is not None:
-        force = 1e-3 * rig.force_noise
-    elif free >= 4 * SMOOTHING:
+def _noise_of(record: RampHold, free: int, rig: Rig) -> Noise:
+    """Return the noise of the force: given, or of the hold and the rest before touch."""
+    sd = record.force_noise
+    if free >= 4 * SMOOTHING:
         time = record.time[:free]
         line = np.polynomial.polynomial.polyfit(time, record.force[:free], 1)
         rest = record.force[:free] - np.polynomial.polynomial.polyval(time, line)
-        force = max(force, float(np.std(rest)))
-    position = record.position_noise if rig.position_noise is None else rig.position_noise
-    return force, position
+        sd = max(sd, float(np.std(rest)))
+    sd = max(sd, 1e-6 * float(np.ptp(record.force)))
+    found = estimated([record.force[:free], of_hold(record)], len(record.force), sd)
+    return found if rig.force_noise is None else found.scaled(1e-3 * rig.force_noise)
 
 
 def _lumped(time: Array, position: Array, force: Array) -> Identification:

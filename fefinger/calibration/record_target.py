@@ -10,6 +10,7 @@ from scipy.linalg import solve_triangular
 from fefinger.calibration import discrepancy
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values, jacobian
+from fefinger.calibration.noise import Noise
 from fefinger.calibration.record import PressFit, plain
 from fefinger.calibration.rig import Rig, lagged
 from fefinger.calibration.targets import TOUCH, LumpedLaw, errors
@@ -73,9 +74,10 @@ class RecordTarget:
     """Target of a user: a ramp and hold with its rig.
 
     record: without the reading `tare` in N before touch; trace: averages of it, with that reading;
-    noise: of one sample in N and mm; mesh: resolution of the fitted model; press: ending of the
-    names of what is this press's own; indenter: what presses; model_errors: of force and
-    relaxation, over the force; factor: Cholesky's (n, n) in N of the covariance of the averages.
+    force_noise, position_noise mm: of one sample; mesh: resolution of the fitted model; press:
+    ending of the names of what is this press's own; indenter: what presses; model_errors: of force
+    and relaxation, over the force; factor: Cholesky's (n, n) in N of the covariance of the
+    averages.
     """
 
     name: str
@@ -83,7 +85,8 @@ class RecordTarget:
     lumped: Identification
     trace: Trace
     tare: float
-    noise: tuple[float, float]
+    force_noise: Noise
+    position_noise: float
     rig: Rig
     mesh: str
     press: str
@@ -291,8 +294,8 @@ class RecordTarget:
         by_path = slope[:, None] * self.trace.to_nodes
         relaxing = hereditary_integral(law.prony, self.trace.node_time, by_path)
         by_path = self._late(relaxing / law.prony.long_time, values)
-        of_force = np.maximum(self.noise[0], 1e-6 * np.ptp(self.force)) ** 2 / self.trace.size
-        return np.asarray(np.diag(of_force) + by_path @ self.trace.spread @ by_path.T)
+        of_force = self.force_noise.covariance(self.trace.size)
+        return np.asarray(of_force + by_path @ self.trace.spread @ by_path.T)
 
     def _kernels(self, law: ForceLaw, values: Values) -> list[Array]:
         """Covariances (n, n) N² of model errors of relative size 1: of force, and of relaxation."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from fefinger.calibration import record_file
 from fefinger.calibration.curve import ForceLaw
@@ -22,6 +23,21 @@ def press(law, rest=0.1, rate=5e3):
     force = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7).loading(time, path - 0.4)
     off = 2e-3 * np.random.default_rng(0).normal(size=(2, len(time)))
     return np.column_stack([time, path + off[0], force + off[1]])
+
+
+def warming(table):
+    """Add noise of 4 mN that fades within 20 ms."""
+    rng = np.random.default_rng(1)
+    kept = np.exp(-np.median(np.diff(table[:, 0])) / 0.02)
+    wander = lfilter([np.sqrt(1 - kept**2)], [1, -kept], rng.normal(size=len(table)))
+    table[:, 2] += 4e-3 * wander
+    return table
+
+
+def ahead(table):
+    """Let the force come 5 ms before the position, so that it falls before the hold."""
+    table[:, 2] = np.interp(table[:, 0] + 5e-3, table[:, 0], table[:, 2])
+    return table
 
 
 def touched_before(table):
@@ -48,6 +64,8 @@ def begun_late(table):
 FAULTS = {
     "none": (lambda t: t, {}, ()),
     "late": (lambda t: t, {"delay": 1.98}, ("late force: ", "1.98 +- 0.05 ms")),
+    "early": (ahead, {"delay": -5.0}, ("late force: ", "-5 +- 0.05 ms")),
+    "colored": (warming, {}, ("colored noise: an average of the force over 0.1 s is ",)),
     "offset": (lambda t: t, {"offset": -20.0}, ("offset: ", "-20 +- 0.05 mN")),
     "drift": (lambda t: t, {"drift": 8.0}, ("drift: ", "8 +- 0.05 mN/s")),
     "two touches": (touched_before, {}, ("two touches: 0.3 N already at 0.03",)),

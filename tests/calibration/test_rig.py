@@ -117,7 +117,7 @@ def test_noise_of_the_position_has_the_covariance_that_draws_have(law):
     one = ForceLaw(law.at(2.4, 14.0), PRONY, 0.7)
     target = record_file.made("twin", *press(law, 0.01), "coarse", Rig(delay=(1.0, 0.0)))
     values = {"x0": 0.4}
-    found = target._noise(one, values) - np.diag(target.noise[0] ** 2 / target.trace.size)
+    found = target._noise(one, values) - target.force_noise.covariance(target.trace.size)
     spread = np.linalg.cholesky(target.trace.spread + 1e-14 * np.eye(len(target.trace.path)))
     rng, here = np.random.default_rng(1), target.model(one, values)
     draws = []
@@ -126,7 +126,7 @@ def test_noise_of_the_position_has_the_covariance_that_draws_have(law):
         draws.append(target_at(target, moved).model(one, values) - here)
     drawn = np.cov(np.array(draws).T)
     scale = float(np.abs(drawn).max())
-    assert scale > (2 * target.noise[0] ** 2 / target.trace.size).min()
+    assert scale > (2 * target.force_noise.sd**2 / target.trace.size).min()
     assert np.abs(found - drawn).max() < 0.35 * scale
 
 

@@ -61,8 +61,11 @@ class Drawn:
         return Prony(c, tuple(self.truth[f"v{i}"] for i in range(1, 4)))
 
 
-def drawn(seed: int, *, by_solid: bool) -> Drawn:
-    """Draw one; by_solid: with the ratio of moduli that the fit has, and no relaxation below."""
+def drawn(seed: int, *, by_solid: bool, color: str = "white") -> Drawn:
+    """Draw one; by_solid: with the ratio of moduli that the fit has, and no relaxation below.
+
+    color: of the noise of the force.
+    """
     rng = np.random.default_rng([seed, by_solid])
     table = pawluk1997.relaxation()["means"]
     c, v = np.array(table.weights), np.array(table.v)
@@ -87,6 +90,7 @@ def drawn(seed: int, *, by_solid: bool) -> Drawn:
         force_noise=math.exp(rng.uniform(math.log(2e-3), math.log(3e-2))),
         position_noise=math.exp(rng.uniform(math.log(1e-3), math.log(1e-2))),
         late=1e-3 * truth["delay"],
+        color=color,
     )
     speed = math.exp(rng.uniform(math.log(20), math.log(100)))
     depth, rate = float(rng.uniform(1.1, 1.7)), float(rng.choice([2e3, 5e3, 1e4]))

@@ -24,6 +24,10 @@ DEPTH, HOLD = 1.5, 6.0  # mm, s
 RATE, REST = 2500.0, 0.2
 """Samples per s, and s of rest before the motion, 0.75 mm off the skin."""
 
+COLORS = ("white", "low-pass", "1 / f")
+LOW_PASS = 30.0
+"""Hz of the filter of second order through which noise has passed."""
+
 TRUTH = {
     **{"modulus": MODULUS, "exponent": EXPONENT, "x0": TOUCH},
     **{f"c{i}": c for i, c in enumerate(PRONY.weights)},
@@ -36,7 +40,8 @@ class Faults:
     """What a rig does to a press.
 
     force_noise N and position_noise mm: standard deviations; late s: of the force; offset N;
-    drift: N that the force gains over the record; compliance mm/N between position and skin.
+    drift: N that the force gains over the record; compliance mm/N between position and skin;
+    color: of the noise of the force, one of COLORS.
     """
 
     force_noise: float = 3e-3
@@ -45,6 +50,7 @@ class Faults:
     offset: float = 0.0
     drift: float = 0.0
     compliance: float = 0.0
+    color: str = "white"
 
 
 @dataclass(frozen=True)
@@ -85,8 +91,29 @@ class Press:
         return Record(
             time,
             position + rng.normal(0.0, faults.position_noise, len(time)),
-            force + rng.normal(0.0, faults.force_noise, len(time)),
+            force + faults.force_noise * colored(faults.color, time, rng),
         )
+
+
+def colored(color: str, time: Array, rng: np.random.Generator) -> Array:
+    """Draw noise (n_t,) of one of COLORS, of variance 1, at even times s."""
+    white = rng.normal(size=len(time))
+    if color == "white":
+        return white
+    if color == "1 / f":
+        # From the lowest frequency of the record on: nothing is slower.
+        waves = np.fft.rfft(white)
+        waves[1:] /= np.sqrt(np.arange(1, len(waves)))
+        waves[0] = 0.0
+        off = np.fft.irfft(waves, len(time))
+        return np.asarray(off / off.std())
+    from scipy.signal import butter, sosfilt
+
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    passing = butter(2, LOW_PASS, fs=rate, output="sos")
+    begun = np.concatenate([rng.normal(size=int(rate / LOW_PASS) * 3), white])
+    off = sosfilt(passing, begun)[-len(time) :]
+    return np.asarray(off / off.std())
 
 
 def start() -> Finger:
