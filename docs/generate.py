@@ -365,7 +365,7 @@ def scenes() -> Iterator[str]:
 
 def columns() -> Iterator[str]:
     """Give the columns of a study's table with units and meanings."""
-    from fefinger.scene.field_units import split
+    from fefinger.scene.schema import split
     from fefinger.studies.grid import MEANINGS, meaning
 
     rows = ((f"`{name}`", split(name)[1] or "-", meaning(name)) for name in MEANINGS)

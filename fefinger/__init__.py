@@ -75,7 +75,6 @@ if TYPE_CHECKING:
     from fefinger.scene.population import Line as Line
     from fefinger.scene.population import Places as Places
     from fefinger.scene.population import Scatter as Scatter
-    from fefinger.scene.ridges import Ridges as Ridges
     from fefinger.scene.samples import Sampled as Sampled
     from fefinger.scene.scene import Scene as Scene
     from fefinger.scene.sliding import SampledPath as SampledPath
@@ -86,6 +85,7 @@ if TYPE_CHECKING:
     from fefinger.scene.textured import Grating as Grating
     from fefinger.scene.textured import Relief as Relief
     from fefinger.scene.tissue import Hard as Hard
+    from fefinger.scene.tissue import Ridges as Ridges
     from fefinger.scene.tissue import Tissue as Tissue
     from fefinger.studies.receptive_field import ReceptiveField as ReceptiveField
     from fefinger.studies.receptive_field import receptive_field as receptive_field
@@ -137,8 +137,7 @@ _HOMES = {
     "mechanics.press.tactile_parts": ("TaxelGrid",),
     "mechanics.tactile_finger": ("TactileFinger",),
     "mechanics.vibrations": ("Vibrations",),
-    "scene.ridges": ("Ridges",),
-    "scene.tissue": ("Hard", "Tissue"),
+    "scene.tissue": ("Hard", "Ridges", "Tissue"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -155,7 +154,7 @@ _HOME |= dict.fromkeys(
         *("ForceRamp", "ForceRampHold", "ForceRampSinusoid", "ForceSinusoid", "ForceTrapezoid"),
         *("ForceSweep", "ForceSampled", "ForceSlide", "ForceSampledPath"),
     ),
-    "scene.former_motions",
+    "scene.sliding",
 )
 
 

@@ -17,13 +17,12 @@ import numpy as np
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.costs import units_of
 from fefinger.results.candidate import MECHANICS
-from fefinger.scene.innervation import innervation
-from fefinger.scene.population import Disc, Grid, Layout
+from fefinger.scene.population import Disc, Grid, Layout, innervation
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.processes import one_thread
 from fefinger.support.registry import AFFERENTS
-from fefinger.support.threads import one_thread
 from fefinger.support.vocabulary import TYPES
 
 

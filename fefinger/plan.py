@@ -19,9 +19,9 @@ from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
 from fefinger.scene.ask import OUTPUTS
+from fefinger.scene.cautions import unusual
 from fefinger.scene.finger import AUTO, PULP, RESOLUTIONS, STANDARD
 from fefinger.scene.scene import Scene
-from fefinger.scene.unusual import unusual
 from fefinger.support import machine, registry
 from fefinger.support.checks import InputError, choice
 from fefinger.support.text import duration, format_excess

@@ -21,13 +21,13 @@ from fefinger.afferents import of_units, reduced
 from fefinger.results.key_numbers import rows
 from fefinger.results.plan_text import left_out
 from fefinger.results.result_record import ResultRecord
+from fefinger.scene.cautions import quasistatic, samples, unmodeled, warnings
 from fefinger.scene.finger import origin_notes, other_size
-from fefinger.scene.inertia import quasistatic, samples, unmodeled, warnings
+from fefinger.support.atomic_write import keep, output_folder
 from fefinger.support.checks import InputError
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import shielded
-from fefinger.support.outputs import keep, output_folder
-from fefinger.support.provenance import software
+from fefinger.support.machine import software
 from fefinger.support.registry import AFFERENTS
 from fefinger.support.text import table
 
@@ -155,7 +155,7 @@ class Result(ResultRecord):
             hold no result.
         """
         from fefinger.pages import report
-        from fefinger.results import netcdf, vtkhdf
+        from fefinger.results import netcdf
         from fefinger.support import atomic_write
 
         target = output_folder(folder)
@@ -165,7 +165,7 @@ class Result(ResultRecord):
             new = {name: scratch / name for name in NAMES}
             new["result.nc"].write_bytes(atomic_write.netcdf(netcdf.dataset(self)))
             if self.fields is not None:
-                vtkhdf.write(self.fields, new["result.vtkhdf"])
+                netcdf.write_vtkhdf(self.fields, new["result.vtkhdf"])
             if self.spikes is not None:
                 self.spikes.to_csv(new["spikes.csv"])
                 self.spikes.units_to_csv(new["units.csv"])

@@ -17,7 +17,7 @@ from fefinger.pages import report
 from fefinger.scene import builtin
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.innervation import innervation
+from fefinger.scene.population import innervation
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from fefinger.support import machine
 from fefinger.support.atomic_write import moved
-from fefinger.support.provenance import commit
+from fefinger.support.machine import commit
 
 
 def provenance(command: str) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Calibration of a finger model to measured force curves and frames of a tactile array.
 
-`calibrate` is the entry point. `targets`: the measured data; `slow_press`: the
+`calibrate` is the entry point. `targets`: the measured data and their residuals; `slow_press`: the
 elastic press of a finger, solved once and cached; `curve`: force and array pressure at any
-exponent, modulus and rate; `force`: its residuals; `inverse`: least squares with priors;
-`pad_radius`: the pad radius from the array; `outcome` and `record`: the result and its files.
+exponent, modulus and rate; `inverse`: least squares with priors; `pad_radius`: the pad radius from
+the array; `outcome` and `record`: the result and its files.
 """

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.force import MODULUS, SHAPE, Forces, prony_of, relaxation_unknowns
 from fefinger.calibration.inverse import Values, judged
 from fefinger.calibration.noise import white
 from fefinger.calibration.press_store import Work
@@ -18,9 +17,16 @@ from fefinger.calibration.record_target import MESH, ONE_G, RecordTarget
 from fefinger.calibration.rig import Rig
 from fefinger.calibration.search import EXPONENTS, biased, row, with_skin
 from fefinger.calibration.slow_press import PLATE
-from fefinger.calibration.targets import TOUCH
+from fefinger.calibration.targets import (
+    MODULUS,
+    SHAPE,
+    TOUCH,
+    Forces,
+    prony_of,
+    relaxation_unknowns,
+)
 from fefinger.calibration.trace import trace
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress
@@ -36,7 +42,7 @@ REST, CLEAR = 0.1, 0.5
 FORCE_NOISE, POSITION_NOISE = 5.0, 2e-3
 """Noise in mN and mm of a rig of which none is given."""
 
-MEANS = library.calibrated_name(pawluk1997.MEANS)
+MEANS = library.calibrated_name(library.MEANS)
 
 EXPECTED = 3.5
 """Exponent of the tissue that is expected, about that of the calibrated subjects."""
@@ -96,7 +102,7 @@ def design(
     with work.stage("solid, coarse"):
         curves = with_skin(work, row(work, radius, EXPONENTS))
     values = {MODULUS: library.tissue_set(MEANS).subcutaneous.modulus, SHAPE: EXPECTED, TOUCH: 0.0}
-    values |= {each.name: each.start for each in relaxation_unknowns(pawluk1997.MEANS)}
+    values |= {each.name: each.start for each in relaxation_unknowns(library.MEANS)}
     law = ForceLaw(curves.at(EXPECTED, radius), prony_of(values), values[MODULUS] / rest)
     found = []
     for press in presses:

@@ -14,9 +14,9 @@ import numpy as np
 
 from fefinger.support import atomic_write, recording_files
 from fefinger.support.arrays import Array
+from fefinger.support.atomic_write import keep
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.inputs import first_line
-from fefinger.support.outputs import keep
 from fefinger.support.text import strict_json, table
 from fefinger.support.units import DURATION, FORCE, TRAVEL
 from fefinger.theory.lumped import identify, ramp_hold

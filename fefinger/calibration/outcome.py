@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.force import MODULUS, RADIUS, RATIO, SHAPE
 from fefinger.calibration.inverse import Solution
 from fefinger.calibration.record import (
     LENGTHS,
@@ -22,7 +21,7 @@ from fefinger.calibration.record import (
 from fefinger.calibration.record_checks import findings, marks, told
 from fefinger.calibration.record_target import RecordTarget
 from fefinger.calibration.records_target import presses
-from fefinger.calibration.targets import Target
+from fefinger.calibration.targets import MODULUS, RADIUS, RATIO, SHAPE, Target
 from fefinger.results.candidate import MECHANICS
 from fefinger.scene import library
 from fefinger.scene.finger import Finger

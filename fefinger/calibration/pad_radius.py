@@ -13,7 +13,7 @@ import numpy as np
 
 from fefinger.calibration.array_sensor import ArraySensor, Frames, aligned, fit_fingerpad
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.force import RADII
+from fefinger.calibration.targets import RADII
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.relaxation import Prony, hereditary_integral

@@ -19,9 +19,9 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.scene.tissue import Tissue
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array
+from fefinger.support.atomic_write import keep
 from fefinger.support.checks import InputError, shown
 from fefinger.support.inputs import read_json
-from fefinger.support.outputs import keep
 from fefinger.support.text import table
 from fefinger.theory.relaxation import Prony
 

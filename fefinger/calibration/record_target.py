@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from fefinger.calibration import discrepancy
+from fefinger.calibration import inverse
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.inverse import Unknown, Values, jacobian
 from fefinger.calibration.noise import Noise
@@ -202,7 +202,7 @@ class RecordTarget:
         kernels = self._kernels(law(values), values)
         off = self.force - self.model(law(values), values)
         least = self._least
-        found = discrepancy.sizes(off, by_values, weight, pull, base, kernels, least)
+        found = inverse.sizes(off, by_values, weight, pull, base, kernels, least)
         return replace(self, model_errors=found).about(law(values), values)
 
     @property

@@ -15,7 +15,6 @@ import numpy as np
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration.array_sensor import Frames
 from fefinger.calibration.curve import Family, family
-from fefinger.calibration.force import SHAPE, Forces
 from fefinger.calibration.inverse import Solution, solve
 from fefinger.calibration.outcome import AGREES, FitResult, outcome
 from fefinger.calibration.press_store import Work
@@ -23,7 +22,7 @@ from fefinger.calibration.rare_faults import with_rare
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.records_target import indenters, presses
 from fefinger.calibration.slow_press import PART, PLATE, SlowPress
-from fefinger.calibration.targets import Target
+from fefinger.calibration.targets import SHAPE, Forces, Target
 from fefinger.scene.indenter import Indenter
 
 

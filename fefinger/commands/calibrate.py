@@ -108,7 +108,7 @@ def calibrate(
     from fefinger.calibration.targets import finger_of
     from fefinger.pages import calibration_page
     from fefinger.results.candidate import MECHANICS
-    from fefinger.support import outputs
+    from fefinger.support import atomic_write
     from fefinger.support.checks import InputError
 
     if not data and not design:
@@ -136,7 +136,7 @@ def calibrate(
         "resolution": resolution,
         "columns": columns,
     }
-    with outputs.output(output) as folder:
+    with atomic_write.output(output) as folder:
         if folder is not None:
             keep_others(folder)
         with console.progress() as report:
@@ -211,9 +211,9 @@ def fit(data: str, terms: int, columns: dict[str, str], output: str | None, as_j
     HDF5.
     """
     from fefinger.calibration import lumped_fit
-    from fefinger.support import outputs
+    from fefinger.support import atomic_write
 
-    with outputs.output(output) as folder:
+    with atomic_write.output(output) as folder:
         if folder is not None:
             lumped_fit.keep_others(folder)
         identified = lumped_fit.fit(data, terms=terms, columns=columns)

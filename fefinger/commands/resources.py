@@ -66,7 +66,7 @@ def mesh(
     from fefinger.mesh.mesh_record import gate, write
     from fefinger.mesh.store import load_or_build
     from fefinger.scene import builtin
-    from fefinger.support.outputs import output_file
+    from fefinger.support.atomic_write import output_file
 
     finger = builtin.load(scene, builtin.settings(changes)).finger
     if output is not None:

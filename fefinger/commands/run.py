@@ -47,10 +47,10 @@ def run(
     from fefinger.pipeline import run as answer
     from fefinger.result import earlier
     from fefinger.scene import builtin
-    from fefinger.support import outputs
+    from fefinger.support import atomic_write
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    with outputs.output(output):
+    with atomic_write.output(output):
         replaced = bool(earlier(output)) if output is not None else False
         with console.progress() as report:
             try:
@@ -190,8 +190,8 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     from fefinger.mechanics.press.time_steps import time_grid
     from fefinger.results.candidate import MECHANICS
     from fefinger.scene import builtin
+    from fefinger.scene.cautions import quasistatic, samples, warnings
     from fefinger.scene.finger import origin_notes, other_size
-    from fefinger.scene.inertia import quasistatic, samples, warnings
 
     loaded = builtin.load(scene, builtin.settings(changes))
     motion = loaded.motion

@@ -80,11 +80,11 @@ def spikes(
     """
     from fefinger.neural import series
     from fefinger.neural.signals import read
-    from fefinger.support import outputs
+    from fefinger.support import atomic_write
     from fefinger.support.vocabulary import FAMILIES
 
     signals = read(source)
-    with outputs.output(output) as folder:
+    with atomic_write.output(output) as folder:
         if folder is not None:
             series.keep_others(folder)
         try:
@@ -176,10 +176,10 @@ def field(
     """
     from fefinger.scene import builtin
     from fefinger.studies.receptive_field import keep_others, receptive_field
-    from fefinger.support import outputs
+    from fefinger.support import atomic_write
 
     loaded = builtin.load(scene, builtin.settings(changes))
-    with outputs.output(output) as folder:
+    with atomic_write.output(output) as folder:
         if folder is not None:
             keep_others(folder)
         with console.progress() as report:

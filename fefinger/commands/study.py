@@ -189,7 +189,7 @@ def study_summary(record: Record) -> str:
 
 def _heading(name: str, names: list[str]) -> str:
     """Return a short heading of a column, without the name of its table if others differ."""
-    from fefinger.scene.field_units import split
+    from fefinger.scene.schema import split
 
     last, unit = split(name.rpartition(".")[2])
     alone = sum(other.rpartition(".")[2] == name.rpartition(".")[2] for other in names) == 1

@@ -35,12 +35,12 @@ def validate(
     """
     from fefinger.validation import suites as available
 
-    from fefinger.support import outputs
+    from fefinger.support import atomic_write
 
     if not name.strip() or Path(name).name != name:
         message = f"--name: expected a base name of files, such as validation, received {name!r}"
         raise InputError(message)
-    with outputs.output(output) as folder:
+    with atomic_write.output(output) as folder:
         with console.progress() as report:
             outcomes = available.run(suites, quick=quick, progress=report or silent)
         record = available.as_json(outcomes)
@@ -84,7 +84,7 @@ def bench(suites: tuple[str, ...], output: str | None, as_json: bool) -> None:
     """
     from fefinger.validation.bench import suites as benchmarks
 
-    from fefinger.support.outputs import output_folder
+    from fefinger.support.atomic_write import output_folder
 
     folder = None if output is None else output_folder(output)
     with console.progress() as report:

@@ -39,7 +39,7 @@ def view(
     from fefinger import view as pictures
     from fefinger.pages import viewer
     from fefinger.result import load
-    from fefinger.support.outputs import check_ending, output_file
+    from fefinger.support.atomic_write import check_ending, output_file
     from fefinger.view import frames, quantities
     from fefinger.view.pictures import check_film
 
@@ -100,7 +100,7 @@ def live(output: str | None, subject: str, resolution: str, port: int, browser: 
     import asyncio
 
     from fefinger.live.setup import Setup
-    from fefinger.support.outputs import output_folder
+    from fefinger.support.atomic_write import output_folder
 
     try:
         from fefinger.live.server import Server

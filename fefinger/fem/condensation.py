@@ -28,7 +28,7 @@ from fefinger.fem.linalg.system import compressible
 from fefinger.geometry import mirror
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 from fefinger.support.tolerances import REDUCED_COMPRESSIBILITY
 
 

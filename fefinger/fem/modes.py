@@ -18,7 +18,7 @@ from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.linalg import multifrontal
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError, number
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 BLOCK = 24  # vectors per block: two solutions in the time of 24 on the standard finger are 8 single

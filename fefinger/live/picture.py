@@ -6,7 +6,6 @@ from typing import cast
 import numpy as np
 
 from fefinger.geometry.mirror import Halves
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.live.player import RELAXED
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import placement
@@ -16,6 +15,7 @@ from fefinger.pages.viewer import Blob, Json
 from fefinger.results.records import Fields
 from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.view import figures, frames, quantities, surfaces
 from fefinger.view.drawing import OFF_PLANE
 from fefinger.view.frames import Pose

@@ -18,7 +18,7 @@ from fefinger.live.picture import Picture
 from fefinger.live.player import ABOVE, PRESETS, Player
 from fefinger.live.setup import Setup
 from fefinger.pipeline import run
-from fefinger.support.atomic_write import moved
+from fefinger.support.atomic_write import moved, output_folder
 from fefinger.support.checks import (
     ConvergenceError,
     InputError,
@@ -27,7 +27,6 @@ from fefinger.support.checks import (
     number,
     reject_unknown,
 )
-from fefinger.support.outputs import output_folder
 from fefinger.support.vocabulary import Control
 
 

@@ -15,7 +15,7 @@ from fefinger.mechanics.press.mesh_limits import needs_continuation, refinement_
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
 from fefinger.mesh.store import load_or_build
 from fefinger.results.records import Sites
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, direction
@@ -125,7 +125,7 @@ class Setup:
 
 def subjects() -> tuple[str, ...]:
     """Return the names of the subjects whose fingers were measured."""
-    return tuple(pawluk1997.lumped())
+    return tuple(library.lumped())
 
 
 def population_sites(setup: Setup, resolution: str) -> Sites:

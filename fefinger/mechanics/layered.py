@@ -30,10 +30,10 @@ from fefinger.results.records import Refusal, Response
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.indenter import Indenter
-from fefinger.scene.innervation import innervation
 from fefinger.scene.motion import Motion
-from fefinger.scene.ridges import Ridges
+from fefinger.scene.population import innervation
 from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Ridges
 from fefinger.support.checks import BeyondError, InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import percent

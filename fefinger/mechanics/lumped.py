@@ -23,7 +23,7 @@ from fefinger.mechanics.press.time_steps import MOST_OF_FORCE, time_grid, too_lo
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate, Traits
 from fefinger.results.records import Refusal, Response
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.scene.ask import OUTPUTS
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
@@ -108,9 +108,9 @@ def law(case: Situation) -> LumpedLaw:
 def _printed(
     case: Situation, error: float = float("nan"), evidence: str = "not known", caveat: str = ""
 ) -> LumpedLaw:
-    rows, subject = pawluk1997.lumped(), case.finger.subject_name
-    name = subject if subject in rows else pawluk1997.MEANS
-    row, source = rows[name], f"Table 2.1, {name} ({pawluk1997.SOURCE})"
+    rows, subject = library.lumped(), case.finger.subject_name
+    name = subject if subject in rows else library.MEANS
+    row, source = rows[name], f"Table 2.1, {name} ({library.SOURCE})"
     if caveat:
         caveat = f"{caveat}; that of Table 2.1, {name}, is taken"
     return LumpedLaw(Spring(row.b, row.m), row.prony, source, True, error, evidence, caveat)

@@ -37,9 +37,8 @@ from fefinger.scene.population import Layout
 from fefinger.shapes import Plane, Shape, packed
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError, InputError, choice, integer, number
-from fefinger.support.processes import threads
+from fefinger.support.processes import one_thread, threads, together
 from fefinger.support.progress import Progress, Stages
-from fefinger.support.threads import one_thread, together
 from fefinger.support.vocabulary import TYPES
 from fefinger.theory.contact.stack import Stack
 

@@ -23,7 +23,7 @@ from fefinger.mechanics.press.frequency_response import Vibrating
 from fefinger.mechanics.press.prepared import Prepared
 from fefinger.mechanics.press.response import no_fields
 from fefinger.mesh.store import load_or_build
-from fefinger.results import vtkhdf
+from fefinger.results import netcdf
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.records import Fields, Sites
 from fefinger.scene.finger import Finger
@@ -151,7 +151,7 @@ class Vibrations:
 
         Errors as `shape`.
         """
-        vtkhdf.write(self.shape(which), path)
+        netcdf.write_vtkhdf(self.shape(which), path)
 
     @cached_property
     def vibrating(self) -> Vibrating:

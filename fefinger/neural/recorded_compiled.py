@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.compiled import njit
-from fefinger.support.threads import together
+from fefinger.support.processes import together
 
 
 class Units(NamedTuple):

@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 
 from fefinger.neural.signals import SMALLEST_MM, Signals, given, likely_unit
 from fefinger.support.arrays import Array
-from fefinger.support.atomic_write import as_input_error
+from fefinger.support.atomic_write import as_input_error, keep
 from fefinger.support.checks import InputError, choice, integer, number, repeated, suggestion
-from fefinger.support.outputs import keep
 from fefinger.support.registry import AFFERENTS
 from fefinger.support.units import in_milliseconds, seconds_or_milliseconds
 from fefinger.support.vocabulary import FAMILIES, TYPE_SYNONYMS, TYPES

@@ -11,10 +11,9 @@ from fefinger.results.harmonic import Harmonic
 from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
 from fefinger.results.result_record import ResultRecord
+from fefinger.scene.cautions import missing, unusual
 from fefinger.scene.finger import RESOLUTIONS, STANDARD, other_size
-from fefinger.scene.inertia import missing
 from fefinger.scene.scene import Scene
-from fefinger.scene.unusual import unusual
 from fefinger.support.text import percent
 
 

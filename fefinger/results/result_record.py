@@ -10,7 +10,7 @@ from fefinger.results.candidate import Candidate
 from fefinger.results.harmonic import Harmonic
 from fefinger.results.plan_text import choice_line, ladder
 from fefinger.results.records import Fields, Lateral, Pad, Refusal, Response, Rung, Sites
-from fefinger.scene.inertia import quasistatic, unmodeled, warnings
+from fefinger.scene.cautions import quasistatic, unmodeled, warnings
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
@@ -197,7 +197,7 @@ class ResultRecord:
 
     @property
     def unmodeled(self) -> tuple[str, ...]:
-        """Types of units whose cause to fire is not in the mechanics (`scene.inertia`)."""
+        """Types of units whose cause to fire is not in the mechanics (`scene.cautions`)."""
         spikes = self.spikes is not None and not self.response.inertia
         return unmodeled(self.scene) if spikes else ()
 

@@ -5,10 +5,9 @@ from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
 from fefinger.scene.key import Key, check
-from fefinger.scene.ridges import Ridges
-from fefinger.scene.tissue import Hard, Tissue
+from fefinger.scene.tissue import Hard, Ridges, Tissue
 from fefinger.support.checks import InputError, choice, number
 from fefinger.support.inputs import check_input
 from fefinger.support.units import FINGER, MESHED
@@ -110,7 +109,7 @@ class Finger:
     thickness: Length
     _: KW_ONLY
     pad_radius: Length = _FROM_LIBRARY
-    subject_name: Annotated[str | None, Key(words=pawluk1997.subjects())] = None
+    subject_name: Annotated[str | None, Key(words=library.subjects())] = None
     surface: str | None = None
     bone_surface: str | None = None
     tip_tissue: Annotated[float | None, LENGTH] = None
@@ -131,7 +130,7 @@ class Finger:
         """Fill in defaults of the library, then check every field."""
         name = self.subject_name or "means"
         if self.subject_name is not None:
-            choice("finger.subject", self.subject_name, pawluk1997.subjects())
+            choice("finger.subject", self.subject_name, library.subjects())
         self._default("tissue", library.default_tissue(self.subject_name))
         # A finger that was saved has all values, and the file of its tissue may have moved since.
         whole = all(getattr(self, given) is not None for given in FROM_TISSUE)
@@ -162,11 +161,11 @@ class Finger:
     def _fill(self, tissues: library.TissueSet, row: str) -> None:
         """Fill in what a tissue set gives, or the row of the thesis's tables."""
         lengths = tissues.lengths(self.width, self.thickness)
-        radius = lengths["pad_radius"] or pawluk1997.quasistatic()[row].radius
+        radius = lengths["pad_radius"] or library.quasistatic()[row].radius
         self._default("pad_radius", radius)
         self._default("skin", tissues.skin)
         self._default("subcutaneous", tissues.subcutaneous)
-        self._default("prony", tissues.prony or pawluk1997.relaxation()[row])
+        self._default("prony", tissues.prony or library.relaxation()[row])
         if self.bone_surface is None:
             self._default("tip_tissue", lengths["tip_tissue"])
         if self.surface is None:
@@ -262,8 +261,8 @@ class Finger:
 
         `overrides` replace single fields; f.c., who was not measured, needs width and thickness.
         """
-        choice("finger.subject", name, pawluk1997.subjects())
-        row = pawluk1997.lumped().get(name)
+        choice("finger.subject", name, library.subjects())
+        row = library.lumped().get(name)
         size = {} if row is None else {"width": row.width, "thickness": row.thickness}
         values = size | overrides
         missing = [key for key in ("width", "thickness") if values.get(key) is None]
@@ -286,7 +285,7 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
     notes = []
     if source != finger.subject_name and len(given) < len(LAYERS):
         whose = f"subject {source}, another finger"
-        if source == pawluk1997.MEANS:
+        if source == library.MEANS:
             whose = "the mean curves of the subjects, not to this finger"
         notes.append(f"The tissue was fitted to {whose} ({finger.tissue}).")
     if given:
@@ -297,7 +296,7 @@ def origin_notes(finger: Finger) -> tuple[str, ...]:
 
 def _resized(finger: Finger) -> tuple[str, ...]:
     """Note on sizes and relaxation that differ from the named subject's."""
-    row = pawluk1997.lumped().get(str(finger.subject_name))
+    row = library.lumped().get(str(finger.subject_name))
     if row is None or finger.surface is not None:
         return ()
     size = {"width": finger.width, "thickness": finger.thickness}

@@ -2,12 +2,16 @@
 
 x and y of a path lie in the plane across the travel: x distal, y radial, as on a plate before its
 `roll`.
+
+At the end the motions of force before `force=`, for one version: constructors that say what to
+write.
 """
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
-from typing import Annotated, final
+from typing import Annotated, Any, TypeVar, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,13 +19,25 @@ from numpy.typing import ArrayLike
 from fefinger.geometry.profiles import frame
 from fefinger.scene.indenter import PLACING, Inclined, Plate, direction
 from fefinger.scene.key import Key
-from fefinger.scene.motions import AS_LONG_AS_FITS, Ramped, rest_limit
+from fefinger.scene.motion import Motion
+from fefinger.scene.motions import (
+    AS_LONG_AS_FITS,
+    FrequencySweep,
+    Ramp,
+    Ramped,
+    RampHold,
+    RampSinusoid,
+    Sinusoid,
+    Trapezoid,
+    rest_limit,
+)
 from fefinger.scene.oscillation import about_mean, noise, to_and_fro
-from fefinger.scene.samples import Depths, Forces, Measured, SampledMotion, Times
+from fefinger.scene.samples import Depths, Forces, Measured, Sampled, SampledMotion, Times
 from fefinger.scene.trajectory import Trajectory
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.recordings import Recording
+from fefinger.support.vocabulary import Control
 
 
 ANGLES = ("angle", "tilt")
@@ -230,3 +246,35 @@ class SampledPath(SampledMotion):
                 )
         turns = (name for name in ANGLES if any(each.startswith(name) for each in headers))
         return ("time", "x", "y", *turns)
+
+
+Made = TypeVar("Made", bound=Motion)
+
+
+def _former(name: str, motion: type[Made], *order: str, **fixed: Any) -> Callable[..., Made]:
+    """Return the constructor of a former class, whose arguments by place have the names `order`."""
+
+    def make(*values: Any, **named: Any) -> Made:
+        keys = "control" if fixed else "force"
+        warnings.warn(
+            f"ff.{name} is ff.{motion.__name__} with {keys}= now, and goes with the next version",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return motion(**dict(zip(order, values, strict=False)), **named, **fixed)
+
+    return make
+
+
+RATE_AND_FORCE = ("loading_rate", "force")
+ForceRamp = _former("ForceRamp", Ramp, *RATE_AND_FORCE)
+ForceRampHold = _former("ForceRampHold", RampHold, *RATE_AND_FORCE)
+ForceTrapezoid = _former("ForceTrapezoid", Trapezoid, *RATE_AND_FORCE)
+ForceRampSinusoid = _former("ForceRampSinusoid", RampSinusoid, *RATE_AND_FORCE)
+ForceSinusoid = _former(
+    *("ForceSinusoid", Sinusoid, "amplitude", "frequency", "cycles"), control=Control.FORCE
+)
+ForceSweep = _former("ForceSweep", FrequencySweep, "force")
+ForceSampled = _former("ForceSampled", Sampled, "time", "force")
+ForceSlide = _former("ForceSlide", Slide, "speed", "force")
+ForceSampledPath = _former("ForceSampledPath", SampledPath, "time", "x", "y", "force")

@@ -24,10 +24,9 @@ from fefinger.scene.motions import (
     Vibration,
 )
 from fefinger.scene.population import LAYOUTS, Layout, Scatter
-from fefinger.scene.ridges import Ridges
 from fefinger.scene.samples import Sampled
 from fefinger.scene.sliding import SampledPath, Slide
-from fefinger.scene.tissue import Hard, Tissue
+from fefinger.scene.tissue import Hard, Ridges, Tissue
 from fefinger.support import registry
 from fefinger.support.checks import InputError, choice, names, reject_unknown
 from fefinger.support.inputs import parse_toml, read_text

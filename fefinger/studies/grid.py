@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from fefinger.results.plan_text import true_range
-from fefinger.scene.field_units import split
+from fefinger.scene.schema import split
 from fefinger.support.checks import InputError, number
 from fefinger.support.inputs import parse_toml
 from fefinger.support.text import plain

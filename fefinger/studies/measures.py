@@ -20,6 +20,7 @@ from fefinger.plan import choose, settled
 from fefinger.result import Result
 from fefinger.results import pressure as pressures
 from fefinger.results.pressure import SPREAD
+from fefinger.results.pressure import moments as shape_of
 from fefinger.results.records import Pad, Rung
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
@@ -38,7 +39,6 @@ from fefinger.studies.grid import ERRORS, Row
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.hertz import LONGEST, Elliptic
-from fefinger.theory.contact.pressure_moments import moments as shape_of
 from fefinger.theory.relaxation import hereditary_integral
 
 

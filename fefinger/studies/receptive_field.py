@@ -28,9 +28,9 @@ from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.atomic_write import keep, output_folder
 from fefinger.support.checks import InputError, choice, choices, number
 from fefinger.support.inputs import first_line
-from fefinger.support.outputs import keep, output_folder
 from fefinger.support.progress import Progress
 from fefinger.support.text import outline
 from fefinger.support.vocabulary import TYPE_SYNONYMS, TYPES

@@ -20,9 +20,9 @@ from fefinger.mechanics import names
 from fefinger.plan import choose
 from fefinger.results.candidate import Candidate
 from fefinger.results.result_record import Plan
-from fefinger.scene.field_units import column
 from fefinger.scene.finger import AUTO, RESOLUTIONS
 from fefinger.scene.scene import Scene
+from fefinger.scene.schema import column
 from fefinger.studies import tables
 from fefinger.studies.grid import EACH, checked
 from fefinger.studies.tables import StudyRows
@@ -39,10 +39,10 @@ from fefinger.studies.tasks import (
     write_record,
 )
 from fefinger.support import atomic_write
+from fefinger.support.atomic_write import output, output_folder
 from fefinger.support.checks import InputError, choice, number
-from fefinger.support.outputs import output, output_folder
+from fefinger.support.machine import software
 from fefinger.support.progress import Progress
-from fefinger.support.provenance import software
 from fefinger.support.text import finite
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 
 from fefinger.pages import page
-from fefinger.scene.field_units import split
+from fefinger.scene.schema import split
 from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.studies.grid import DIGITS, ERRORS, MEASURES, Row, bounds, remarks, words
 from fefinger.studies.tables import StudyRows

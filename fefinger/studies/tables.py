@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.pages.page import flat
-from fefinger.scene.field_units import split
+from fefinger.scene.schema import split
 from fefinger.studies.grid import MEASURES, MISSED, meaning
 from fefinger.support.atomic_write import in_place, netcdf
 from fefinger.support.checks import InputError

@@ -17,7 +17,7 @@ from fefinger.studies.grid import EACH, MISSED, Row, parse_at, product
 from fefinger.support import VERSION, atomic_write, processes
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.inputs import read_json
-from fefinger.support.provenance import software
+from fefinger.support.machine import software
 
 
 FORMAT = 4
@@ -152,7 +152,7 @@ def answer(task: Task) -> Answer:
     try:
         from fefinger.pipeline import run
         from fefinger.studies.measures import rows
-        from fefinger.support.threads import one_blas_thread
+        from fefinger.support.processes import one_blas_thread
 
         with one_blas_thread():
             result = run(Scene.from_dict(task["scene"]), mechanics=task["mechanics"])

@@ -1,11 +1,13 @@
-"""Speed of this machine relative to those on which the reports were measured.
+"""Speed of the machine relative to that of the reports, and the provenance of a result.
 
-The measure is the CPU time of one fixed piece of work, taken once and kept in the user's cache.
-Reports hold that of the machine that measured them as `machine_seconds`.
+The measure of speed is the CPU time of one fixed piece of work, taken once and kept in the user's
+cache. Reports hold that of the machine that measured them as `machine_seconds`.
 """
 
+import functools
 import hashlib
 import platform
+import subprocess
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -111,3 +113,48 @@ def sentence() -> str:
 
 def _name() -> str:
     return f"{platform.node()} {platform.machine()} {platform.processor()} numpy {np.__version__}"
+
+
+PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
+"""Libraries that the numbers depend on."""
+
+
+@functools.cache
+def commit() -> str:
+    """Return the git commit of the source tree that runs; "" unless the tree is a repository.
+
+    A repository around an installation does not count.
+    """
+    tree = Path(__file__).resolve().parents[2]
+    try:
+        top = _git(tree, "rev-parse", "--show-toplevel")
+        if top and Path(top).resolve() == tree:
+            return _git(tree, "describe", "--always", "--dirty")
+    except OSError:  # no git
+        pass
+    return ""
+
+
+def _git(tree: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        ["git", *arguments], cwd=tree, capture_output=True, text=True, check=False
+    )
+    return done.stdout.strip()
+
+
+def software() -> dict[str, object]:
+    """Return version, commit, Python, system and libraries, and the date in UTC."""
+    import platform
+    from datetime import UTC, datetime
+    from importlib.metadata import version
+
+    from fefinger.support import VERSION
+
+    return {
+        "fefinger": VERSION,
+        "commit": commit(),
+        "python": platform.python_version(),
+        "system": platform.platform(),
+        "packages": {package: version(package) for package in PACKAGES},
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+    }

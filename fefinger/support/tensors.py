@@ -1,4 +1,4 @@
-"""Principal values of many symmetric tensors, as a population has at all times."""
+"""Symmetric tensors: six components, logarithmic strain, and principal values of many."""
 
 import math
 
@@ -75,3 +75,30 @@ def _extremes(tensors: Array, low: Array, high: Array) -> None:
             y, z, xy, xz = _rotated(y, z, yz, xy, xz)
             yz = 0.0
         low[i], high[i] = mean + min(x, y, z), mean + max(x, y, z)
+
+
+VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+"""Order of the six components: xx yy zz xy yz xz, tensor (not engineering) shear."""
+
+PLACES = [0, 3, 5, 3, 1, 4, 5, 4, 2]
+"""Number of the component at every place of the tensor, row by row."""
+
+
+def tensor_from_voigt(components: Array) -> Array:
+    """Return symmetric tensors (..., 3, 3) from components (..., 6) in the order of VOIGT."""
+    return components[..., PLACES].reshape(*components.shape[:-1], 3, 3)
+
+
+def logarithmic(gradient: Array) -> Array:
+    """Return ln(F'F) / 2 (..., 3, 3) of a displacement gradient H (..., 3, 3), F = I + H.
+
+    It is in the directions of the undeformed body (Hencky 1928), and taken from the Green-Lagrange
+    strain by its principal values, log1p(2 e) / 2, so that small strains keep their digits.
+    """
+    h = np.asarray(gradient)
+    across = np.swapaxes(h, -1, -2)
+    green = (h + across + across @ h) / 2
+    values, vectors = np.linalg.eigh(green)
+    return np.asarray(
+        (vectors * (np.log1p(2 * values) / 2)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    )

@@ -13,7 +13,7 @@ import numpy as np
 from fefinger.neural.trains import FEW, SpikeTrains
 from fefinger.results.records import Fields, Sites
 from fefinger.results.result_record import ResultRecord
-from fefinger.scene.field_units import column, split
+from fefinger.scene.schema import column, split
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.text import flat
 from fefinger.view import frames, quantities, surfaces

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, volumes
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.laws import LAWS
 from fefinger.results.candidate import meshed
 from fefinger.results.records import Fields
@@ -19,6 +18,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Tissue
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, choice, number
+from fefinger.support.tensors import tensor_from_voigt
 
 
 if TYPE_CHECKING:

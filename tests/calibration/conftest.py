@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from fefinger.calibration import held_out, pad_radius, press_store
+from fefinger.calibration import calibrate, pad_radius, press_store
 from fefinger.calibration.array_sensor import ArraySensor, blurred
 from fefinger.calibration.curve import family
 from fefinger.calibration.slow_press import SlowPress
@@ -103,7 +103,7 @@ def by_formula():
             return replace(found, force=finger.subcutaneous.modulus / 34 * found.force)
 
         patched.setattr(press_store, "press", answer)
-        patched.setattr(held_out, "press", of_its_modulus)
+        patched.setattr(calibrate, "press", of_its_modulus)
         patched.setattr(
             press_store, "small", lambda finger, of: answer(finger, "condensed", indenter=of)
         )

@@ -14,7 +14,7 @@ from fefinger.calibration.array_sensor import (
     fit_fingerpad,
 )
 from fefinger.results.pressure import isobar
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.theory.contact.hertz import Hertz
 
 
@@ -123,7 +123,7 @@ def press(pressure_at, depth_rate=0.2, deepest=2.3, seed=7):
     return depth_rate * reading.time[::40], reading.pressure[::40]
 
 
-ROW = Fingerpad(14.0, 1.9, 1.9, pawluk1997.relaxation()["a.h."])
+ROW = Fingerpad(14.0, 1.9, 1.9, library.relaxation()["a.h."])
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,13 @@ from fefinger.validation.oracles import synthetic
 
 from fefinger.__main__ import main
 from fefinger.calibration import lumped_fit
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.theory.lumped import identify
 from fefinger.theory.lumped.spring import Spring
 
 
-ROW = pawluk1997.lumped()["a.h."]
+ROW = library.lumped()["a.h."]
 HEAD = "time,position,force"
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from fefinger.calibration import discrepancy, record_file, trace
+from fefinger.calibration import inverse, record_file, trace
 from fefinger.calibration.curve import ForceLaw
 from fefinger.calibration.rig import Rig, lagged
 from fefinger.support.checks import InputError
@@ -145,5 +145,5 @@ def test_the_size_of_a_model_error_is_found_from_what_it_leaves(sizes):
     line = np.column_stack([np.ones(400), at])
     data = np.linalg.cholesky(whole) @ rng.normal(size=400) + line @ [0.0, 3.0]
     none = np.zeros(2)
-    found = discrepancy.sizes(data, line, none, none, base, kernels, (1e-3, 1e-3))
+    found = inverse.sizes(data, line, none, none, base, kernels, (1e-3, 1e-3))
     np.testing.assert_allclose(np.log(found), np.log(sizes), atol=0.3)  # 1 / sqrt(2 x 10)

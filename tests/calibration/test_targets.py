@@ -11,9 +11,9 @@ from fefinger.validation.oracles import synthetic
 from fefinger.calibration import array_sensor, inverse, record_file, record_target
 from fefinger.calibration.array_sensor import ArraySensor
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.force import Forces, prony_of
 from fefinger.calibration.outcome import line
-from fefinger.scene import pawluk1997
+from fefinger.calibration.targets import Forces, prony_of
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.support import inputs
 from fefinger.support.checks import InputError
@@ -21,7 +21,7 @@ from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony
 
 
-ROW = pawluk1997.lumped()["a.h."]
+ROW = library.lumped()["a.h."]
 PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 

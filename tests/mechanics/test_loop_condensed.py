@@ -13,12 +13,12 @@ from numba.core.runtime import _nrt_python, rtsys
 import fefinger as ff
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.geometry.profiles import Ellipsoid
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics import condensed
 from fefinger.neural.membranes import HodgkinHuxley
 from fefinger.results.records import Sites
 from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.theory.relaxation import hereditary_integral
 
 

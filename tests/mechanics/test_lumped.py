@@ -18,13 +18,13 @@ from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
 from fefinger.pages import report
 from fefinger.result import load
-from fefinger.scene import builtin, library, pawluk1997
+from fefinger.scene import builtin, library
 from fefinger.theory.lumped import spring as law
 
 
 FORCE_ONLY = ff.Ask(pressure=False, strain=False, fields=False)
 PROTOCOLS = tuple(name for name in builtin.names() if name[:3] in ("p1-", "p2-", "p3-", "p4-"))
-ROW = pawluk1997.lumped()["a.h."]
+ROW = library.lumped()["a.h."]
 AH = (law.Spring(ROW.b, ROW.m), ROW.prony)
 
 
@@ -150,7 +150,7 @@ def test_under_another_object_the_law_of_a_finger_errs_as_in_a_press_of_it(name,
     row = read("press-mesh.json")["rows"][f"a.h./{name}"]
     depth, true = row["depth_mm"][5], row["force_N"][5]
     asked = scene(indenter=indenter, motion=ff.Ramp(0.001, depth, corner=0))  # relaxed
-    printed = pawluk1997.lumped()["a.h."]
+    printed = library.lumped()["a.h."]
     known = abs(printed.prony.long_time * law.Spring(printed.b, printed.m).force(depth) / true - 1)
     error, evidence = lumped.error(Situation.of(asked))
     factor = read("evidence.json")["factors"]["lumped"]["force"]  # what was found, times a margin
@@ -163,7 +163,7 @@ def test_under_another_object_the_law_of_a_finger_errs_as_in_a_press_of_it(name,
 @pytest.mark.parametrize("object_", ["flat-45", "sphere-5"])
 def test_the_error_of_the_law_in_a_press_is_that_of_its_relaxed_force(object_):
     row = read("press-mesh.json")["rows"][f"a.h./{object_}"]
-    printed = pawluk1997.lumped()["a.h."]
+    printed = library.lumped()["a.h."]
     depth, true = np.array(row["depth_mm"]), np.array(row["force_N"])
     relaxed = printed.prony.long_time * printed.b / printed.m * np.expm1(printed.m * depth)
     mesh = np.array(row["errors"]["solid standard"]["force"])
@@ -171,7 +171,7 @@ def test_the_error_of_the_law_in_a_press_is_that_of_its_relaxed_force(object_):
     assert (np.array(row["errors"]["lumped"]["force"]) - mesh >= least * (1 - 4e-3)).all()
 
 
-SUBJECTS = [name for name in pawluk1997.lumped() if name != "means"]
+SUBJECTS = [name for name in library.lumped() if name != "means"]
 
 
 @pytest.mark.parametrize("subject", SUBJECTS)
@@ -184,7 +184,7 @@ def test_a_calibrated_finger_has_the_law_of_its_subject_and_the_error_of_its_cal
     assert lumped.refuse(Situation.of(asked)) == ()
     plan = ff.choose(asked, "lumped")  # not the cheapest for p.w., whose law is 41 % off
     assert "18 % at the peaks of sinusoids against the measured" in plan.chosen.evidence
-    row = pawluk1997.lumped()[subject]
+    row = library.lumped()[subject]
     peak = law.constant_velocity(law.Spring(row.b, row.m), row.prony, 1.0, 60.0)
     assert lumped.respond(asked).force.max() == pytest.approx(float(peak), rel=1e-9)
     found = subjects.calibrated(subject)

@@ -15,7 +15,6 @@ from refusals import refused
 
 import fefinger as ff
 from fefinger.fem.modes import Modes
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import costs, vibration
 from fefinger.mechanics.press import depth_table, modal_body
@@ -25,9 +24,10 @@ from fefinger.mechanics.press.placement import obstacle
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.scene import builtin
-from fefinger.scene.inertia import coarse_samples
+from fefinger.scene.cautions import coarse_samples
 from fefinger.studies.force_depth import dynamic_stiffness
 from fefinger.support.checks import InputError
+from fefinger.support.tensors import tensor_from_voigt
 
 
 def scene(motion: ff.FrequencySweep | ff.RampHold | ff.Sampled, **ask: object) -> ff.Scene:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from fefinger import mechanics
-from fefinger.geometry.voigt import logarithmic
 from fefinger.results import key_numbers
 from fefinger.results.candidate import MECHANICS, Candidate, meshed
 from fefinger.results.harmonic import Harmonic, apart
 from fefinger.results.records import Rung
+from fefinger.support.tensors import logarithmic
 
 
 @pytest.mark.parametrize("label", ["hertz", "lumped", "linear coarse", "solid fine"])

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fefinger.results import vtkhdf
+from fefinger.results import netcdf
 
 
 def read_step(path, step):
@@ -24,7 +24,7 @@ def read_step(path, step):
 @pytest.mark.parametrize("step", [0, 1, 2])
 def test_vtk_reads_times_mesh_and_values(synthetic, tmp_path, step):
     fields = synthetic.fields
-    vtkhdf.write(fields, tmp_path / "a.vtkhdf")
+    netcdf.write_vtkhdf(fields, tmp_path / "a.vtkhdf")
     times, grid = read_step(tmp_path / "a.vtkhdf", step)
     assert times == pytest.approx(fields.times)
     np.testing.assert_allclose(grid.points, fields.points, atol=1e-5)
@@ -37,7 +37,7 @@ def test_vtk_reads_times_mesh_and_values(synthetic, tmp_path, step):
 
 
 def test_the_mesh_is_stored_once(synthetic, tmp_path):
-    vtkhdf.write(synthetic.fields, tmp_path / "a.vtkhdf")
+    netcdf.write_vtkhdf(synthetic.fields, tmp_path / "a.vtkhdf")
     with h5py.File(tmp_path / "a.vtkhdf") as file:
         root = file["VTKHDF"]
         assert root["Points"].shape == synthetic.fields.points.shape

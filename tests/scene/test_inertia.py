@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.scene.inertia import jump, quasistatic, wave_speed
+from fefinger.scene.cautions import jump, quasistatic, wave_speed
 
 
 def test_what_is_not_quasi_static_is_warned_of():

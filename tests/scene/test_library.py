@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.scene import innervation, library, pawluk1997
+from fefinger.scene import library, population
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
@@ -18,7 +18,7 @@ def columns(rows):
 def test_means_of_the_lumped_table_are_the_means_of_its_columns():
     rows = {
         name: (row.width, row.thickness, row.m, row.b, *row.prony.c, *row.prony.v)
-        for name, row in pawluk1997.lumped().items()
+        for name, row in library.lumped().items()
     }
     subjects, means = columns(rows)
     printed = [0.5, 0.5, 0.05, 0.005, *[0.0051] * 4, 0.5, 0.5, 0.0051]  # half of the last digit
@@ -26,32 +26,32 @@ def test_means_of_the_lumped_table_are_the_means_of_its_columns():
 
 
 def test_means_of_the_relaxation_table_are_the_means_of_its_columns():
-    rows = {name: (*prony.c, *prony.v) for name, prony in pawluk1997.relaxation().items()}
+    rows = {name: (*prony.c, *prony.v) for name, prony in library.relaxation().items()}
     subjects, means = columns(rows)
     printed = [*[0.0051] * 4, 0.5, 0.05, 0.005]
     assert np.all(np.abs(subjects.mean(axis=0) - means) <= printed)
 
 
 def test_means_of_the_quasistatic_table_are_the_means_of_its_columns():
-    rows = {name: (row.radius, row.m, row.b) for name, row in pawluk1997.quasistatic().items()}
+    rows = {name: (row.radius, row.m, row.b) for name, row in library.quasistatic().items()}
     subjects, means = columns(rows)
     assert np.all(np.abs(subjects.mean(axis=0) - means) <= [1e-12, 0.05, 0.05])
 
 
 def test_relaxation_of_both_chapters_belongs_to_the_same_subjects():
-    sums = {name: sum(prony.c) for name, prony in pawluk1997.relaxation().items()}
+    sums = {name: sum(prony.c) for name, prony in library.relaxation().items()}
     assert sums["d.p."] == pytest.approx(1.0)
     assert [sums[name] for name in sums if name != "d.p."] == pytest.approx([0.99] * 5)
-    assert sum(pawluk1997.lumped()["d.s."].prony.c) == pytest.approx(1.01)
+    assert sum(library.lumped()["d.s."].prony.c) == pytest.approx(1.01)
 
 
-@pytest.mark.parametrize("name", [name for name in pawluk1997.subjects() if name != "f.c."])
+@pytest.mark.parametrize("name", [name for name in library.subjects() if name != "f.c."])
 def test_a_subject_has_size_and_relaxation_and_radius_of_the_three_tables(name):
     finger = Finger.subject(name, tissue="maeno1998")
-    row = pawluk1997.lumped()[name]
+    row = library.lumped()[name]
     assert (finger.width, finger.thickness) == (row.width, row.thickness)
-    assert finger.prony == pawluk1997.relaxation()[name]
-    assert finger.pad_radius == pawluk1997.quasistatic()[name].radius
+    assert finger.prony == library.relaxation()[name]
+    assert finger.pad_radius == library.quasistatic()[name].radius
 
 
 def test_the_subject_without_a_size_works_once_it_is_given():
@@ -63,7 +63,7 @@ def test_the_subject_without_a_size_works_once_it_is_given():
 
 def test_a_finger_of_nobody_has_the_mean_relaxation_and_radius():
     finger = Finger(14, 11, tissue="maeno1998")
-    assert finger.prony == pawluk1997.relaxation()["means"]
+    assert finger.prony == library.relaxation()["means"]
     assert finger.pad_radius == 14.6
     assert finger.subject_name is None
 
@@ -88,10 +88,10 @@ def test_every_tissue_set_makes_a_finger_and_names_its_source_and_confidence(nam
 
 
 def test_end_organs_lie_inside_their_published_range_in_every_subject():
-    rows = innervation.innervation()
+    rows = population.innervation()
     assert tuple(rows) == TYPES
     for row, (low, high) in zip(
         rows.values(), ((0.7, 1), (1, 1.5), (0.5, 0.5), (2, 3)), strict=True
     ):
         assert low <= row.depth <= high
-        assert row.depth < min(row.thickness for row in pawluk1997.lumped().values()) / 2
+        assert row.depth < min(row.thickness for row in library.lumped().values()) / 2

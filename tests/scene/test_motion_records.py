@@ -9,7 +9,7 @@ from refusals import refused
 
 import fefinger as ff
 from fefinger.results import key_numbers
-from fefinger.scene.inertia import samples
+from fefinger.scene.cautions import samples
 from fefinger.support import recording_files
 from fefinger.support.arrays import Array
 from fefinger.view import figures

@@ -21,9 +21,8 @@ import fefinger as ff
 from fefinger.commands.cli import cli
 from fefinger.geometry import profiles
 from fefinger.mechanics.press import depth_table
-from fefinger.scene.field_units import column
 from fefinger.scene.indenters import INDENTERS
-from fefinger.scene.schema import schema
+from fefinger.scene.schema import column, schema
 from fefinger.studies import tasks
 from fefinger.support.checks import InputError
 

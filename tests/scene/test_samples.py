@@ -13,7 +13,7 @@ from fefinger.mechanics import modal
 from fefinger.mechanics.evidence import vibration
 from fefinger.mechanics.situation import Situation
 from fefinger.results import key_numbers
-from fefinger.scene.inertia import missing, noise, samples, warnings
+from fefinger.scene.cautions import missing, noise, samples, warnings
 from fefinger.support import inputs
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError

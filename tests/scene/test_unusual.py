@@ -8,8 +8,8 @@ import pytest
 import fefinger as ff
 from fefinger.plan import choose
 from fefinger.results import key_numbers
+from fefinger.scene.cautions import unusual
 from fefinger.scene.motion import Motion
-from fefinger.scene.unusual import unusual
 
 
 FINGER, PRESS = ff.Finger.subject("a.h."), ff.RampHold(speed=20, depth=1.0, hold=0.5)

@@ -19,7 +19,7 @@ from fefinger.__main__ import main
 from fefinger.commands import study as command
 from fefinger.mechanics.hertz import tissue
 from fefinger.pipeline import run
-from fefinger.scene.field_units import column
+from fefinger.scene.schema import column
 from fefinger.studies import tasks
 from fefinger.studies.grid import meaning, parse_at, parse_over, product
 from fefinger.studies.measures import rows

@@ -16,7 +16,7 @@ from fefinger.__main__ import main
 from fefinger.studies import tables, tasks
 from fefinger.studies.grid import parse_at
 from fefinger.studies.study import Study
-from fefinger.support import provenance
+from fefinger.support import machine
 from fefinger.support.checks import InputError
 
 
@@ -201,8 +201,8 @@ def test_a_grid_without_fields_is_refused():
 def test_the_commit_is_that_of_the_programs_own_tree(tmp_path, monkeypatch):
     subprocess.run(["git", "init", "-q", tmp_path], check=True)
     place = tmp_path / "installed" / "fefinger" / "support" / "p.py"
-    monkeypatch.setattr(provenance, "__file__", str(place))
+    monkeypatch.setattr(machine, "__file__", str(place))
     (tmp_path / "installed").mkdir()
-    assert provenance.commit.__wrapped__() == ""
+    assert machine.commit.__wrapped__() == ""
     monkeypatch.setenv("PATH", "")
-    assert provenance.commit.__wrapped__() == ""
+    assert machine.commit.__wrapped__() == ""

@@ -14,7 +14,7 @@ from fefinger.validation.oracles.synthetic import ramp_and_hold
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.calibration import lumped_fit
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.spring import Spring
@@ -80,7 +80,7 @@ def test_why_a_run_stopped_is_told_where_what_it_reached_cannot_be_kept(
 @pytest.fixture
 def press(tmp_path):
     """Return the file of a trial with the noise of the thesis."""
-    row = pawluk1997.lumped()["a.h."]
+    row = library.lumped()["a.h."]
     made = ramp_and_hold(Spring(row.b, row.m, 0.5), row.prony, seed=0, hold=2)
     table = np.column_stack([made.time, made.position, made.force])
     file = tmp_path / "press.csv"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from fefinger.support.atomic_write import output, output_file
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import DEEPEST, bounded, parse_toml, read_json, read_text, unreadable
-from fefinger.support.outputs import output, output_file
 
 
 def test_what_is_no_file_is_named(tmp_path, monkeypatch):

@@ -12,15 +12,15 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.linalg import multifrontal_indefinite
 from fefinger.fem.linalg import system as solve
-from fefinger.support import processes, threads
+from fefinger.support import processes
 
 
 @pytest.fixture(params=[1, 2, 5])
 def count(request, monkeypatch):
     """Set a number of threads, whatever cores there are."""
-    monkeypatch.setattr(threads, "threads", lambda: request.param)
-    monkeypatch.setattr(threads, "_pool", lambda: pool)
-    pool = threads.ThreadPoolExecutor(4)
+    monkeypatch.setattr(processes, "threads", lambda: request.param)
+    monkeypatch.setattr(processes, "_pool", lambda: pool)
+    pool = processes.ThreadPoolExecutor(4)
     yield request.param
     pool.shutdown()
 
@@ -30,29 +30,29 @@ def test_every_blas_has_one_thread_and_then_as_many_as_before():
         return {each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"}
 
     with threadpool_limits(2, user_api="blas"):
-        assert threads.one_thread(counts)() == {1}
+        assert processes.one_thread(counts)() == {1}
         assert counts() == {2}
 
 
 def test_the_values_are_those_of_the_parts_in_order(count):
-    assert threads.together(lambda part: part**2, range(17)) == [part**2 for part in range(17)]
-    assert threads.together(lambda part: part, []) == []
+    assert processes.together(lambda part: part**2, range(17)) == [part**2 for part in range(17)]
+    assert processes.together(lambda part: part, []) == []
 
 
 def test_parts_may_have_parts_of_their_own(count):
     def inner(part):
-        return threads.together(lambda other: part * other, range(4))
+        return processes.together(lambda other: part * other, range(4))
 
     expected = [[part * other for other in range(4)] for part in range(6)]
-    assert threads.together(inner, range(6)) == expected
+    assert processes.together(inner, range(6)) == expected
 
 
 def test_another_thread_takes_parts_while_this_one_works():
     """Each of two parts waits for the other to begin."""
     barrier = threading.Barrier(2)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(threads, "threads", lambda: 2)
-        threads.together(lambda _: barrier.wait(timeout=20), range(2))
+        patch.setattr(processes, "threads", lambda: 2)
+        processes.together(lambda _: barrier.wait(timeout=20), range(2))
 
 
 def test_a_failure_is_raised_and_ends_the_work(count):
@@ -61,8 +61,8 @@ def test_a_failure_is_raised_and_ends_the_work(count):
         raise IndexError(message)
 
     with pytest.raises(IndexError, match="a defect"):
-        threads.together(fail, range(4))
-    assert threads.together(abs, [-1, -2]) == [1, 2]
+        processes.together(fail, range(4))
+    assert processes.together(abs, [-1, -2]) == [1, 2]
 
 
 @pytest.fixture
@@ -81,13 +81,13 @@ def test_factor_and_solution_are_the_same(count, body, monkeypatch):
     monkeypatch.setattr(multifrontal_indefinite, "STRIP", 64)  # several in a front of this body
     right = np.random.default_rng(0).normal(size=(len(body.free), 3))
     found = solve.approximate_factor(body.matrix, body)
-    monkeypatch.setattr(threads, "threads", lambda: 1)
+    monkeypatch.setattr(processes, "threads", lambda: 1)
     alone = solve.approximate_factor(body.matrix, body)
     for branch, other in zip(found.branches, alone.branches, strict=True):
         assert close(branch.values, other.values, 1e-4)  # single precision
     assert found.negative == alone.negative
     expected = alone.solve(right)
-    monkeypatch.setattr(threads, "threads", lambda: count)
+    monkeypatch.setattr(processes, "threads", lambda: count)
     assert close(found.solve(right), expected, 1e-2)  # rounding, times the condition of the body
     assert close(found.solve(right[:, 0]), alone.solve(right[:, 0]), 1e-2)
 
@@ -108,7 +108,7 @@ def test_internal_forces_are_the_same(count, body, monkeypatch):
     values = 0.002 * np.random.default_rng(1).normal(size=body.space.n_unknowns)
     found, least = cells.residual(values, cells.at_rest)
     stresses = cells.stress(values)
-    monkeypatch.setattr(threads, "threads", lambda: 1)
+    monkeypatch.setattr(processes, "threads", lambda: 1)
     alone, same = cells.residual(values, cells.at_rest)
     assert close(found, alone, 1e-12)
     assert least == pytest.approx(same, rel=1e-12)

@@ -9,7 +9,7 @@ from fefinger.validation.fem import hertz
 
 from fefinger.__main__ import main
 from fefinger.neural.membranes import HodgkinHuxley
-from fefinger.support import provenance
+from fefinger.support import machine
 
 
 def test_a_figure_has_a_ratio_only_where_there_is_a_baseline():
@@ -37,10 +37,10 @@ def test_bench_prints_the_record_of_the_contract_and_a_table(capsys, monkeypatch
 
 def test_the_record_names_the_commit_of_the_program_alone(monkeypatch, tmp_path):
     """Not that of a repository around it, and none where there is no git."""
-    provenance.commit.cache_clear()
+    machine.commit.cache_clear()
     monkeypatch.setenv("PATH", "")
     written = json.loads(suites.write("neural", [], tmp_path).read_text())
-    provenance.commit.cache_clear()
+    machine.commit.cache_clear()
     assert written["commit"] == ""
 
 

@@ -22,7 +22,7 @@ from fefinger.validation.calibration.subject_target import target_of
 
 from fefinger.calibration import pad_radius
 from fefinger.calibration.outcome import line, stiffening
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.view import figures
 
@@ -34,7 +34,7 @@ def test_the_report_has_all_subjects_that_are_shipped():
     assert tuple(rows()) == SUBJECTS
     elastic = [name for name in library.TISSUE_SETS if not name.endswith(library.VISCOUS)]
     shipped = [name for name in elastic if name.startswith("calibrated_")]
-    fitted = (*SUBJECTS, pawluk1997.MEANS)  # the means have a report of their own
+    fitted = (*SUBJECTS, library.MEANS)  # the means have a report of their own
     assert sorted(map(library.calibrated_name, fitted)) == sorted(shipped)
 
 
@@ -57,7 +57,7 @@ def test_a_shipped_set_is_what_was_calibrated_and_says_so(subject):
 def test_the_parts_of_the_stiffening_add_up_to_table_2_1(subject):
     split = rows()[subject]["split"]
     total = sum(split[part] for part in calibration_split.PARTS)
-    assert total == pytest.approx(pawluk1997.lumped()[subject].m)
+    assert total == pytest.approx(library.lumped()[subject].m)
     assert sum(split["shares"].values()) == pytest.approx(1.0)
     found = calibrated(subject)
     own = calibration_split.steepness(found.curve.force, split["depth"])
@@ -80,7 +80,7 @@ def test_the_figures_of_the_quick_cases_are_drawn():
 
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_table_3_2_comes_back_from_its_own_frames(subject):
-    row = pawluk1997.quasistatic()[subject]
+    row = library.quasistatic()[subject]
     found = pad_radius.thesis_fit(sensitivity.half_space(subject))
     assert (found.radius, found.m, found.c0_b) == pytest.approx((row.radius, row.m, row.b), 1e-3)
 

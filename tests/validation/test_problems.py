@@ -13,7 +13,7 @@ from fefinger.contact.grid_solver import GridSolver
 from fefinger.contact.stepper import Target
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
-from fefinger.scene.inertia import DENSITY
+from fefinger.scene.cautions import DENSITY
 from fefinger.support.checks import ConvergenceError
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.stack import Layer, Stack

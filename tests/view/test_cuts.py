@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fefinger.geometry.profiles import Ellipsoid as Ball
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.view import frames, surfaces
 
 

@@ -27,10 +27,9 @@ from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
-from fefinger.scene.innervation import innervation
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import Ramp, RampHold
-from fefinger.scene.population import Places
+from fefinger.scene.population import Places, innervation
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 

@@ -36,7 +36,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.support.arrays import Array
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 Precision = Literal["double", "single"]

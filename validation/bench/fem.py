@@ -25,7 +25,7 @@ from fefinger.mechanics.press import placement, problem
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import STANDARD
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 RESOLUTION, REPEATS = "standard", 3

@@ -24,7 +24,7 @@ from fefinger.mechanics.vibrations import Vibrations
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 MESH, TISSUE = "standard", "maeno1998"

@@ -13,7 +13,7 @@ from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.loop import Loop
 from fefinger.scene import builtin
 from fefinger.scene.finger import Finger
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 STEPS, DT = 2000, 1e-3

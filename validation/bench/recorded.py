@@ -15,7 +15,7 @@ from fefinger.neural.recorded import fitted, simulate_recorded
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.neural.variation import Variation
 from fefinger.support.arrays import Array
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 SHARES = {"SAI": 290, "SAII": 25, "FAI": 580, "FAII": 105}

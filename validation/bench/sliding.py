@@ -23,7 +23,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat
 from fefinger.scene.textured import Dots
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 STEPS, DT, SPEED = 600, 1e-3, 60.0

@@ -13,7 +13,7 @@ from fefinger.validation.bench.timing import timed
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.newton import Equilibrium
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from fefinger.support.atomic_write import moved
 from fefinger.support.checks import choice
-from fefinger.support.provenance import commit
+from fefinger.support.machine import commit
 
 
 SUITES = (

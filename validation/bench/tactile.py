@@ -22,7 +22,7 @@ from fefinger.mechanics.tactile_finger import TactileFinger
 from fefinger.scene.finger import Finger
 from fefinger.shapes import Sphere
 from fefinger.support.arrays import Array
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 BALL, DT, STEPS = Sphere(8.0), 1e-3, 1500

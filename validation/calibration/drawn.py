@@ -18,7 +18,6 @@ from fefinger.validation.calibration.rigs import REST, Faults, Press, solid_pres
 
 from fefinger.calibration.calibrate import calibrate
 from fefinger.calibration.curve import Family, ForceLaw, family
-from fefinger.calibration.force import RATE_SD, RATIO_SD, SHAPE, SHARE_SD
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.record_target import LENGTH, MESH
@@ -30,7 +29,8 @@ from fefinger.calibration.search import (
     ONE_G_BIAS,
     STIFFENING_BIAS,
 )
-from fefinger.scene import pawluk1997
+from fefinger.calibration.targets import RATE_SD, RATIO_SD, SHAPE, SHARE_SD
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.theory.relaxation import Prony
 
@@ -67,7 +67,7 @@ def drawn(seed: int, *, by_solid: bool, color: str = "white") -> Drawn:
     color: of the noise of the force.
     """
     rng = np.random.default_rng([seed, by_solid])
-    table = pawluk1997.relaxation()["means"]
+    table = library.relaxation()["means"]
     c, v = np.array(table.weights), np.array(table.v)
     while True:
         rates = v * np.exp(RATE_SD * rng.normal(size=3))

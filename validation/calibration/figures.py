@@ -14,7 +14,7 @@ from fefinger.validation.panels import panel, panels
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration.array_sensor import ArraySensor, aligned, blurred
 from fefinger.calibration.curve import ForceLaw
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.view.figures import INK, WIDE
 
@@ -57,7 +57,7 @@ def _split() -> Any:
             value = rows()[name]["split"][part]
             axes.barh(place, value, left=left, color=color, label=part if place == 0 else None)
             left += value
-        axes.plot([pawluk1997.lumped()[name].m] * 2, [place - 0.45, place + 0.45], color=INK)
+        axes.plot([library.lumped()[name].m] * 2, [place - 0.45, place + 0.45], color=INK)
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
     axes.set_xlabel("m / 1/mm (line: Table 2.1)")
@@ -173,8 +173,8 @@ def profile(law: ForceLaw, subject: str, force: float) -> PressureProfile:
     readings = pad.slow(law.prony, depth, law.array_pressure(depth))[-1]
     reached = float(pad.slow(law.prony, depth, law.relaxed(depth))[-1])
     frames = aligned(np.zeros((1, len(readings))), readings[None], sensor)
-    row = pawluk1997.quasistatic()[subject]
-    half_space = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])
+    row = library.quasistatic()[subject]
+    half_space = Fingerpad(row.radius, row.m, row.b, library.relaxation()[subject])
     deep = float(half_space.depth_at(1e3 * reached, relaxed=True))
     theirs = blurred(
         lambda r: half_space.relaxed_pressure(r, deep),

@@ -16,14 +16,14 @@ from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import targets
 from fefinger.calibration.array_sensor import ArraySensor, Frames, aligned, blurred
 from fefinger.calibration.curve import family
-from fefinger.calibration.force import Forces
 from fefinger.calibration.inverse import solve
 from fefinger.calibration.outcome import FitResult, layer, line, stiffening
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.search import SMALLER
 from fefinger.calibration.slow_press import SlowPress, press
-from fefinger.scene import library, pawluk1997
+from fefinger.calibration.targets import Forces
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array
@@ -208,7 +208,7 @@ def of_reading(calibration: Calibration) -> list[Found]:
 def of_force(calibration: Calibration) -> list[Found]:
     """Apply the thesis's fit to contacts of Hertz's shape and the printed R, by their force."""
     subject, law = calibration.target, calibration.law
-    radius, row = printed(subject).radius, pawluk1997.lumped()[subject]
+    radius, row = printed(subject).radius, library.lumped()[subject]
     depth = pad.slow_press(law)
     relaxed = row.prony.long_time * row.b / row.m
     top = float(np.log1p(pad.HEAVIEST / relaxed) / row.m)
@@ -243,8 +243,8 @@ def hertzian(radius: float, depth: Array, force: Array) -> Frames:
 
 def half_space(subject: str, seed: int | None = None) -> Frames:
     """Return frames of the half-space of Table 3.2 to 2.3 N; `seed` starts the noise, if any."""
-    row = pawluk1997.quasistatic()[subject]
-    one = Fingerpad(row.radius, row.m, row.b, pawluk1997.relaxation()[subject])
+    row = library.quasistatic()[subject]
+    one = Fingerpad(row.radius, row.m, row.b, library.relaxation()[subject])
     deepest = float(one.depth_at(1e3 * pad.HEAVIEST, relaxed=True))
     depth = np.linspace(0.0, deepest, pad.LEVELS + 1)[1:]
     frames = _framed(depth, row.radius, lambda r: one.relaxed_pressure(r, depth[:, None]))

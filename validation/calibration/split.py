@@ -16,7 +16,7 @@ from fefinger.calibration.curve import curve
 from fefinger.calibration.outcome import line, stiffening
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.search import EXPONENTS
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 
 
@@ -46,7 +46,7 @@ def split(calibration: Calibration) -> dict[str, float]:
         steepness(linear.force, deep),
         steepness(finite.force, deep),
         steepness(calibration.curve.force, deep),
-        pawluk1997.lumped()[calibration.target].m,
+        library.lumped()[calibration.target].m,
     ]
     parts = np.diff(chain, prepend=0.0).tolist()
     return dict(zip(PARTS, parts, strict=True)) | {"depth": deep}
@@ -64,5 +64,5 @@ def steepness(force: Callable[[Array], Array], deepest: float) -> float:
 def table(calibration: Calibration) -> dict[str, Any]:
     """Return the split and the share of every part in m of Table 2.1."""
     parts = split(calibration)
-    whole = pawluk1997.lumped()[calibration.target].m
+    whole = library.lumped()[calibration.target].m
     return parts | {"shares": {name: parts[name] / whole for name in PARTS}}

@@ -20,7 +20,7 @@ from fefinger.calibration.press_store import Work
 from fefinger.calibration.record import Calibration
 from fefinger.calibration.search import Search
 from fefinger.calibration.targets import LumpedLaw, errors
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.scene.finger import Finger
 from fefinger.scene.motions import RampSinusoid
 from fefinger.support.arrays import Array
@@ -140,7 +140,7 @@ def target_of(name: str) -> SubjectTarget:
 
     InputError for a name that Table 2.1 does not have.
     """
-    rows = pawluk1997.lumped()
+    rows = library.lumped()
     choice("subject", name, rows)
     row = rows[name]
     stiffness_vaf, hold_vaf = row.vaf
@@ -168,7 +168,7 @@ def target_of(name: str) -> SubjectTarget:
 
 def printed(name: str) -> PadFit:
     """Return the row of Table 3.2 of a subject."""
-    row = pawluk1997.quasistatic()[name]
+    row = library.quasistatic()[name]
     return PadFit(row.radius, row.m, row.b, float("nan"))
 
 

@@ -26,7 +26,7 @@ from fefinger.calibration import targets
 from fefinger.calibration.curve import Curve, ForceLaw, curve
 from fefinger.calibration.outcome import line, stiffening
 from fefinger.calibration.slow_press import press
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 
 
@@ -68,7 +68,7 @@ def cases(subject: str, *, quick: bool) -> Iterator[Case]:
 
 
 def _force(subject: str) -> Iterator[Case]:
-    calibration, row = calibrated(subject), pawluk1997.lumped()[subject]
+    calibration, row = calibrated(subject), library.lumped()[subject]
     sd, _ = line_sd(target_of(subject))
     name = f"{subject}: m of stiffness against force of the calibrated finger"
     limits = Expected(row.m, 3 * sd, "1/mm")
@@ -97,7 +97,7 @@ def _pressed_again(subject: str) -> Iterator[Case]:
         partial(first_stiffness, subject),
         Expected(calibration.residuals["b"], 3 * line_sd(target_of(subject))[1], "N/mm"),
         f"{kept_curve}; wanted is Table 2.1",
-        wanted=pawluk1997.lumped()[subject].b,
+        wanted=library.lumped()[subject].b,
         shortfall=STIFFER,
         reason="three standard deviations that VAF_k leaves over these forces",
     )

@@ -25,12 +25,12 @@ from fefinger.validation.case import Case, Expected
 
 from fefinger.calibration import targets
 from fefinger.calibration.curve import curve, family
-from fefinger.calibration.force import Forces
 from fefinger.calibration.inverse import Residual, Unknown, Values, jacobian
 from fefinger.calibration.press_store import Work
 from fefinger.calibration.record_target import BIAS
 from fefinger.calibration.search import EXPONENTS
 from fefinger.calibration.slow_press import SlowPress, press
+from fefinger.calibration.targets import Forces
 from fefinger.mechanics import solid
 from fefinger.scene import library
 from fefinger.scene.ask import Ask

@@ -21,8 +21,8 @@ from fefinger.validation.problems.chain import SUBJECTS
 from fefinger.calibration import pad_radius as pad
 from fefinger.calibration import slow_press
 from fefinger.calibration.curve import ForceLaw, curve
-from fefinger.calibration.force import prony_of
 from fefinger.calibration.outcome import stiffening
+from fefinger.calibration.targets import prony_of
 from fefinger.mechanics import solid
 from fefinger.results import pressure
 from fefinger.scene import library

@@ -18,7 +18,7 @@ from fefinger.mechanics import condensed, linear
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import small_strain
 from fefinger.results.records import Response
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
@@ -146,7 +146,7 @@ def half_space(poisson: float, cells: int) -> tuple[Array, Array, Array, Array]:
 
     That is Hertz's elastic force with the solution of Ting for its history.
     """
-    block, prony = quarter(poisson, cells), pawluk1997.relaxation()["a.h."]
+    block, prony = quarter(poisson, cells), library.relaxation()["a.h."]
     deepest = block.contact**2 / block.radius
     time = np.concatenate([np.linspace(0, 0.1, 101), 0.1 + np.linspace(0.01, 0.4, 40)])
     time = np.concatenate([time, 0.5 + np.linspace(0.001, 0.15, 150)])

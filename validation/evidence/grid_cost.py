@@ -22,10 +22,10 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Bar, Flat, Pin
 from fefinger.scene.motions import RampHold
-from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
 from fefinger.scene.texts import Braille
 from fefinger.scene.textured import Dots, Grating
+from fefinger.scene.tissue import Ridges
 
 
 SOFT = Finger.subject("a.h.", tissue="maeno1998")

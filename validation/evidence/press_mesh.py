@@ -33,7 +33,7 @@ from fefinger.mesh import store
 from fefinger.mesh.build import SETTINGS, build
 from fefinger.mesh.recipe import Recipe
 from fefinger.results.candidate import Candidate
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import STANDARD, Finger
 from fefinger.scene.indenter import Indenter
@@ -75,7 +75,7 @@ class Measurement:
     @property
     def finger(self) -> Finger:
         """The finger that is pressed, with its own relaxation."""
-        if self.subject == pawluk1997.MEANS:
+        if self.subject == library.MEANS:
             return Finger(*MEAN_SIZE)
         finger = Finger.subject(self.subject, tissue=self.tissue)
         if self.skin is None:
@@ -153,7 +153,7 @@ MEASUREMENTS = {
     **{
         f"{subject}/{name}": Measurement(subject, OBJECTS[name][0], 0.2)
         for name in ("flat-30", "sphere-5")
-        for subject in (*OTHER_SUBJECTS, pawluk1997.MEANS)
+        for subject in (*OTHER_SUBJECTS, library.MEANS)
     },
     **{
         f"{subject}/{name}": Measurement(

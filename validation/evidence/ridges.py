@@ -16,7 +16,7 @@ import numpy as np
 from fefinger.validation.friction import dots, layers
 from fefinger.validation.provenance import save, short
 
-from fefinger.scene.ridges import Ridges
+from fefinger.scene.tissue import Ridges
 from fefinger.support.arrays import Array
 
 

@@ -18,12 +18,12 @@ from fefinger.fem.hyperelastic.continuum import HistoryStress, continuum
 from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.linalg.system import factor
-from fefinger.geometry.voigt import logarithmic
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Sphere
 from fefinger.scene.motions import Ramp, RampHold
 from fefinger.support.arrays import Array
+from fefinger.support.tensors import logarithmic
 from fefinger.theory.relaxation import Prony
 
 

@@ -25,9 +25,9 @@ from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.theory.contact.indentation import subsurface_field
 from fefinger.theory.contact.stack import Stack
 

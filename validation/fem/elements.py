@@ -14,8 +14,8 @@ from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.probe import strain_at
 from fefinger.fem.elements.spaces import Space, trace
 from fefinger.fem.linalg.system import factor
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array
+from fefinger.support.tensors import tensor_from_voigt
 
 
 RATIOS = (0.3, 0.45, 0.49, 0.499, 0.5)

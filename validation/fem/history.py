@@ -18,7 +18,7 @@ from fefinger.validation.problems.quarter import Quarter, outer
 from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.march import History, Prescribed, march
 from fefinger.fem.elements.assembly import Elastic
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation
 from fefinger.theory.contact.ting import (
@@ -45,7 +45,7 @@ TING = "Ting 1966 for the exact layer (Lebedev and Ufliand 1958)"
 
 def prony() -> Prony:
     """Return the relaxation of the means of Table 3.1."""
-    return pawluk1997.relaxation()["means"]
+    return library.relaxation()["means"]
 
 
 @cache

@@ -12,7 +12,7 @@ from fefinger.validation.evidence.solid import REPORT as SOLID
 from fefinger.validation.problems.chain import DEPTHS, SUBJECTS, models, scene
 
 from fefinger.mechanics.evidence.presses import read
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.relaxation import hereditary_integral
@@ -91,7 +91,7 @@ def steepness(subject: str, model: str, press: str = "flat-30") -> float:
 
 def printed(subject: str) -> tuple[float, float]:
     """Return m in 1/mm of Tables 2.1 and 3.2 of the thesis."""
-    return pawluk1997.lumped()[subject].m, pawluk1997.quasistatic()[subject].m
+    return library.lumped()[subject].m, library.quasistatic()[subject].m
 
 
 def unexplained(subject: str, press: str, model: str) -> float:

@@ -19,8 +19,8 @@ from fefinger.mechanics.press.layer_grid import StrainProbe
 from fefinger.mechanics.press.sites import of_population, place_units
 from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
-from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Ridges
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 

@@ -18,8 +18,8 @@ from fefinger.mechanics.press import tabulated_press
 from fefinger.mechanics.press.problem import Press, materials
 from fefinger.mechanics.press.tabulated_press import TabulatedPress, table_of
 from fefinger.scene.ask import Ask
+from fefinger.scene.cautions import DENSITY
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.inertia import DENSITY
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array

@@ -16,9 +16,9 @@ from fefinger.validation.human.presses import DEFAULT, PROFILES, REPORT, SUBJECT
 
 from fefinger.mechanics.evidence.presses import read
 from fefinger.results.records import Response
-from fefinger.scene import library, pawluk1997
+from fefinger.scene import library
+from fefinger.scene.cautions import DENSITY
 from fefinger.scene.finger import Finger
-from fefinger.scene.inertia import DENSITY
 from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, contact_force
 
@@ -26,9 +26,9 @@ from fefinger.theory.lumped.spring import Spring, contact_force
 SERINA = "Serina, Mote & Rempel (1997), J Biomech 30:1035, as cited"
 CHAPTER = "a book chapter of 2013, as cited: 0.60, where Hertz has 0.215"
 MANFREDI = "Manfredi et al. (2012), J Neurophysiol 108:243: a plateau of about 7 m/s"
-STIFFNESS = f"Table 2.1 and Figure 2-2 ({pawluk1997.SOURCE}), ramp at 60 mm/s"
-RELAXATION = f"Table 2.1 ({pawluk1997.SOURCE}), ramp at 60 mm/s and 5 s of hold"
-FIGURES = f"Figures 3-3 and 3-4 ({pawluk1997.SOURCE}), held forces, the means"
+STIFFNESS = f"Table 2.1 and Figure 2-2 ({library.SOURCE}), ramp at 60 mm/s"
+RELAXATION = f"Table 2.1 ({library.SOURCE}), ramp at 60 mm/s and 5 s of hold"
+FIGURES = f"Figures 3-3 and 3-4 ({library.SOURCE}), held forces, the means"
 
 DEPTH = {"d.p.": 1.5, "d.s.": 2.0, "a.h.": 1.8, "p.w.": 2.1}
 """Depths in mm at which the ramps of the subjects end, at some 2.5 to 3 N."""
@@ -53,7 +53,7 @@ def pressed(subject: str) -> Response:
 
 def law(subject: str) -> tuple[Array, Array]:
     """Return depth (n,) mm and force (n,) N of Table 2.1 in the same motion."""
-    row, response = pawluk1997.lumped()[subject], pressed(subject)
+    row, response = library.lumped()[subject], pressed(subject)
     force = contact_force(Spring(row.b, row.m), row.prony, response.time, response.depth)
     return response.depth, np.asarray(force)
 
@@ -239,7 +239,7 @@ def _pressures() -> Iterator[Case]:
         "proximal over distal extent of contact at 1.1 N, means",
         partial(asymmetry, "1.1"),
         Expected.between(1.0, 3.0),
-        f"isobars reach further to the proximal side ({pawluk1997.SOURCE}, Figure 3-3)",
+        f"isobars reach further to the proximal side ({library.SOURCE}, Figure 3-3)",
     )
 
 

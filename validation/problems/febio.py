@@ -24,7 +24,7 @@ from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 

@@ -17,8 +17,8 @@ from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.probe import recovered_strain_at, strain_at
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.arrays import Array, Flags, Integers
+from fefinger.support.tensors import tensor_from_voigt
 
 
 Surface = Callable[[Array, Array], Array]

@@ -10,7 +10,7 @@ from fefinger.validation.thesis.energy import slope
 from fefinger.validation.thesis.lumped import DIGITS, finger, ratio, vibrated
 from numpy.typing import ArrayLike
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import elastic
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
@@ -57,7 +57,7 @@ def raised_mean(offset: float) -> float:
 
 def rounded(offset: float, sign: int) -> float:
     """Return c0 T in N at the offset with b, m and c0 of a.h. half a digit off."""
-    row = pawluk1997.lumped()["a.h."]
+    row = library.lumped()["a.h."]
     b, m = row.b + sign * HALF_DIGIT["b"], row.m + sign * HALF_DIGIT["m"]
     return (row.prony.c[0] + sign * HALF_DIGIT["c0"]) * float(Spring(b, m).force(offset))
 
@@ -141,7 +141,7 @@ def cases(*, quick: bool) -> Iterator[Case]:
 
 
 def _stiffness() -> Iterator[Case]:
-    for subject, row in pawluk1997.lumped().items():
+    for subject, row in library.lumped().items():
         for index, (name, expected, unit) in enumerate(
             (("m", row.m, "1/mm"), ("b", row.b, "N/mm"))
         ):

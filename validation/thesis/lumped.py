@@ -9,7 +9,7 @@ from fefinger.validation.case import Case, Expected
 from fefinger.validation.oracles.ergonomics import Vibration, vibration
 from fefinger.validation.oracles.impedance import relaxation_spectrum
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.theory.lumped.spring import Spring, constant_velocity, force
 from fefinger.theory.relaxation import Prony
@@ -39,7 +39,7 @@ PEAKS = (2.32, 2.18, 2.14, 2.10, 2.07)
 
 def finger(subject: str) -> tuple[Spring, Prony]:
     """Return the elastic response and the relaxation of a row of Table 2.1."""
-    row = pawluk1997.lumped()[subject]
+    row = library.lumped()[subject]
     return Spring(row.b, row.m), row.prony
 
 
@@ -97,7 +97,7 @@ def ratio(subject: str, speed: float, depth: float = 2.0) -> float:
 
 def exponential_ratio(subject: str, speed: float) -> float:
     """Return P / T of a purely exponential T at constant speed."""
-    row = pawluk1997.lumped()[subject]
+    row = library.lumped()[subject]
     growth = row.m * speed
     rates = (0.0, *row.prony.v)
     return sum(c * growth / (growth + v) for c, v in zip(row.prony.weights, rates, strict=True))
@@ -141,7 +141,7 @@ def _velocity() -> Iterator[Case]:
             ),
             reason=DIGITS,
         )
-    for subject in pawluk1997.lumped():
+    for subject in library.lumped():
         yield Case(
             f"2.3: force at 0.2 mm/s above c0 T, {subject}",
             partial(lambda s: 100 * (ratio(s, 0.2, DEEP) / finger(s)[1].long_time - 1), subject),

@@ -10,7 +10,7 @@ from fefinger.validation.oracles import goodwin
 from fefinger.validation.oracles.fingerpad import Fingerpad, Reading, series_modulus
 from fefinger.validation.thesis.lumped import DIGITS, digits
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.relaxation import hereditary_integral
 
@@ -65,9 +65,9 @@ RADII = (1.0, 0.768, 0.654, 0.547, 0.444)
 @cache
 def pad(subject: str, reading: Reading) -> Fingerpad:
     """Return a row of Table 3.2 with its relaxation of Table 3.1, the means as printed."""
-    row = pawluk1997.quasistatic()[subject]
+    row = library.quasistatic()[subject]
     radius = PRINTED_RADIUS if subject == "means" else row.radius
-    return Fingerpad(radius, row.m, row.b, pawluk1997.relaxation()[subject], reading)
+    return Fingerpad(radius, row.m, row.b, library.relaxation()[subject], reading)
 
 
 def ball(name: str) -> tuple[float, Hertz]:
@@ -90,7 +90,7 @@ def lumped_ratio(subject: str, reading: Reading, depth: float) -> float:
     It would be 1 if both chapters described the same finger; T of Eq. 3.16 starts as x^(5/2), and
     its m differs from that of Eq. 3.4.
     """
-    row = pawluk1997.lumped()[subject]
+    row = library.lumped()[subject]
     lumped = 1e3 * row.b / row.m * np.expm1(row.m * depth)
     return float(lumped / pad(subject, reading).force(depth))
 
@@ -187,7 +187,7 @@ def _profiles() -> Iterator[Case]:
                 limits = Expected(values[index], 0.06 if unit == "kPa" else 0.006, unit)
                 yield Case(title, measure, limits, "section 3.2, recomputed", reason=DIGITS)
     for reading, moduli in MODULI.items():
-        for subject, expected in zip(pawluk1997.quasistatic(), moduli, strict=True):
+        for subject, expected in zip(library.quasistatic(), moduli, strict=True):
             title = f"3.2: modulus where 60 mm/s gives 3 N, {subject}, b {reading}"
             measure = partial(modulus_at, subject, reading)
             source = "recomputed; section 3.2.1 has typically 234 kPa"
@@ -198,7 +198,7 @@ def _profiles() -> Iterator[Case]:
             partial(lambda s: stiffness_line(s)[0], subject),
             Expected(expected, 0.06, "1/mm"),
             "section 3.2, recomputed",
-            printed=pawluk1997.quasistatic()[subject].m,
+            printed=library.quasistatic()[subject].m,
             erratum="The m of Table 3.2 is not that of Table 2.1: x^(3/2) adds to the slope.",
             reason=DIGITS,
         )
@@ -275,7 +275,7 @@ def integrated(subject: str, depth: float) -> float:
 
 
 def _others() -> Iterator[Case]:
-    for subject in pawluk1997.quasistatic():
+    for subject in library.quasistatic():
         yield Case(
             f"Eq. 3.16: T(2 mm) over the integral of the pressure, {subject}",
             partial(lambda s: float(pad(s, "relaxed").force(2.0)) / integrated(s, 2.0), subject),

@@ -6,7 +6,7 @@ from functools import cache, partial
 import numpy as np
 from fefinger.validation.case import Case, Expected
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.theory.relaxation import Prony
 
 
@@ -65,7 +65,7 @@ GROWTH = {
 @cache
 def columns(table: str) -> dict[str, tuple[float, ...]]:
     """Return the columns of a table, one value per subject, without the row of means."""
-    lumped = [row for name, row in pawluk1997.lumped().items() if name != "means"]
+    lumped = [row for name, row in library.lumped().items() if name != "means"]
     if table == "2.1":
         values = {
             "w": tuple(row.width for row in lumped),
@@ -75,9 +75,9 @@ def columns(table: str) -> dict[str, tuple[float, ...]]:
         }
         return values | _prony_columns([row.prony for row in lumped])
     if table == "3.1":
-        rows = [prony for name, prony in pawluk1997.relaxation().items() if name != "means"]
+        rows = [prony for name, prony in library.relaxation().items() if name != "means"]
         return _prony_columns(rows)
-    quasistatic = [row for name, row in pawluk1997.quasistatic().items() if name != "means"]
+    quasistatic = [row for name, row in library.quasistatic().items() if name != "means"]
     return {
         "R": tuple(row.radius for row in quasistatic),
         "m": tuple(row.m for row in quasistatic),
@@ -101,9 +101,7 @@ def correlation(first: str, second: str) -> tuple[float, float]:
 def prony(source: str) -> Prony:
     """Return the relaxation of "Table 2.1 a.h." and the like."""
     _, table, subject = source.split()
-    return (
-        pawluk1997.lumped()[subject].prony if table == "2.1" else pawluk1997.relaxation()[subject]
-    )
+    return library.lumped()[subject].prony if table == "2.1" else library.relaxation()[subject]
 
 
 def cases(*, quick: bool) -> Iterator[Case]:

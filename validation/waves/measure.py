@@ -31,10 +31,10 @@ from fefinger.mechanics.press.modal_body import FingerModes, ModalBody, finger_m
 from fefinger.mechanics.press.modal_press import contact_of
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.vibrations import Vibrations
+from fefinger.scene.cautions import wave_speed
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
-from fefinger.scene.inertia import wave_speed
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import Ramp, RampHold
 from fefinger.support.arrays import Array

@@ -16,9 +16,9 @@ from scipy import sparse
 from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.geometry.finger_mesh import around
-from fefinger.geometry.voigt import VOIGT
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.tensors import VOIGT
 from fefinger.support.tolerances import INSIDE, SHARED
 
 

@@ -22,11 +22,11 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic import element_kernels
 from fefinger.fem.hyperelastic.element_kernels import Elements
 from fefinger.fem.hyperelastic.material import CompiledLaw, Material, at_point, compiled
-from fefinger.geometry.voigt import VOIGT
 from fefinger.laws import LAWS, Law
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
-from fefinger.support.threads import together
+from fefinger.support.processes import together
+from fefinger.support.tensors import VOIGT
 
 
 INCOMPRESSIBLE = 12.0

@@ -18,7 +18,7 @@ from fefinger.fem.hyperelastic.newton import Equilibrium, Exhausted
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 SPLITS, PARTS = 3, 4

@@ -20,7 +20,7 @@ from fefinger.fem.linalg.multifrontal import SINGULAR, Assembly, Floats
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.compiled import njit
-from fefinger.support.threads import together
+from fefinger.support.processes import together
 
 
 Precision = type[np.float32] | type[np.float64]

@@ -24,7 +24,7 @@ from fefinger.fem.linalg.dissection import Dissection, dissect_space
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor, Precision
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError, InputError
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 from fefinger.support.tolerances import FACTOR_COMPRESSIBILITY, FORCE_BALANCE, LINEAR_RESIDUAL
 
 

@@ -23,8 +23,8 @@ from fefinger.mechanics.press.operator_cache import MESH_OF_INERTIA
 from fefinger.mechanics.press.time_steps import MODAL_STEP, RESOLVED
 from fefinger.mechanics.situation import Situation
 from fefinger.scene import library
+from fefinger.scene.cautions import modulus, wave_speed
 from fefinger.scene.finger import Finger
-from fefinger.scene.inertia import modulus, wave_speed
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array
 from fefinger.support.text import percent

@@ -36,7 +36,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array, Floats, Integers
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 from fefinger.theory.contact.stack import Stack, moment
 
 

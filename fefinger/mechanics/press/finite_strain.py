@@ -16,7 +16,6 @@ from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
-from fefinger.geometry.voigt import logarithmic
 from fefinger.mechanics.press import dragged, mesh_limits, placement, problem
 from fefinger.mechanics.press.compliances import object_surface
 from fefinger.mechanics.press.load_steps import (
@@ -43,6 +42,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.tensors import logarithmic
 from fefinger.support.tolerances import PRESS_EQUILIBRIUM
 
 

@@ -19,7 +19,6 @@ from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.geometry import mirror
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import mesh_limits, modal_body, problem
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
 from fefinger.results.harmonic import Complex, Harmonic, apart
@@ -27,6 +26,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, numbers
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 

@@ -20,8 +20,8 @@ from fefinger.results.records import Pad
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.ridges import Ridges
 from fefinger.scene.scene import Scene
+from fefinger.scene.tissue import Ridges
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 from fefinger.theory.contact.stack import Stack

@@ -22,7 +22,7 @@ from fefinger.scene.finger import Finger
 from fefinger.support import cache
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import ConvergenceError
-from fefinger.support.threads import one_thread
+from fefinger.support.processes import one_thread
 
 
 PER_CUBIC_METER = 1e-9

@@ -20,8 +20,8 @@ from fefinger.mechanics.press.time_steps import FAST_STEP, MODAL_STEP, MOST, RES
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
+from fefinger.support.processes import one_thread
 from fefinger.support.progress import Stages
-from fefinger.support.threads import one_thread
 
 
 RINGING = 0.1

@@ -18,7 +18,6 @@ from fefinger.contact.complementarity import Complementarity
 from fefinger.contact.oscillators import Oscillators
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.probe import strain_at_vertices
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.mechanics.press import mesh_limits, modal_press, operator, problem, tabulated_press
 from fefinger.mechanics.press.frequency_response import Vibrating, about
 from fefinger.mechanics.press.modal_body import stiffened
@@ -40,6 +39,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.support.text import percent
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 

@@ -17,7 +17,6 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch, patch, smooth_places
 from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.fem.elements.spaces import trace
-from fefinger.geometry.voigt import VOIGT
 from fefinger.mechanics.press import operator, placement, problem
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.prepared import (
@@ -37,6 +36,7 @@ from fefinger.scene.indenters import Flat
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Stages
+from fefinger.support.tensors import VOIGT
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.ting import NestedContact, State, node_weights
 

@@ -14,7 +14,6 @@ from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.load_path import LoadPath, StressHistory, follow
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry.voigt import logarithmic, tensor_from_voigt
 from fefinger.mechanics.press import depth_table, placement
 from fefinger.mechanics.press.problem import REACH, Press, ReferencePlate, SolutionMethod
 from fefinger.mechanics.press.sites import REFERENCE_DEPTH
@@ -23,6 +22,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.indenters import STANDARD
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import ConvergenceError
+from fefinger.support.tensors import logarithmic, tensor_from_voigt
 
 
 def reference_press(

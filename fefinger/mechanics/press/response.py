@@ -16,7 +16,6 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh, inside_weights
-from fefinger.geometry.voigt import VOIGT, logarithmic, tensor_from_voigt
 from fefinger.mechanics.press import dragged, moving_contact
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import (
@@ -29,6 +28,7 @@ from fefinger.mechanics.press.problem import (
 from fefinger.results.records import Fields, Pad, Response
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.progress import Stages
+from fefinger.support.tensors import VOIGT, logarithmic, tensor_from_voigt
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 
 

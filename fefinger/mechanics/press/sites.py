@@ -21,8 +21,7 @@ from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.innervation import innervation
-from fefinger.scene.population import Disc, Grid, Layout, Line, Places
+from fefinger.scene.population import Disc, Grid, Layout, Line, Places, innervation
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError
 

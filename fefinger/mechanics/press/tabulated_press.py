@@ -16,7 +16,6 @@ import numpy as np
 from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.probe import recovered_gradient_at
-from fefinger.geometry.voigt import logarithmic
 from fefinger.mechanics.press import dragged, elastic_press, response
 from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
@@ -33,6 +32,7 @@ from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
+from fefinger.support.tensors import logarithmic
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact import ting
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral

@@ -14,12 +14,12 @@ from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.voigt import VOIGT, logarithmic
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
 from fefinger.mechanics.press.tabulated_press import TabulatedPress
 from fefinger.mesh.store import load_or_build
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array, Integers
+from fefinger.support.tensors import VOIGT, logarithmic
 
 
 Single = NDArray[np.float32]

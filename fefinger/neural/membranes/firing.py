@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, number
-from fefinger.support.threads import together
+from fefinger.support.processes import together
 
 
 LARGEST_STEP = 5e-5

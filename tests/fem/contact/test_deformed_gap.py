@@ -18,7 +18,7 @@ from fefinger.fem.hyperelastic.continuum import continuum
 from fefinger.fem.hyperelastic.material import material_of
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.profiles import FLANK, Bar, Ellipsoid, Plane, Profile, Relief
-from fefinger.geometry.voigt import logarithmic
+from fefinger.support.tensors import logarithmic
 
 
 GRID = np.linspace(0.0, 1.0, 4)

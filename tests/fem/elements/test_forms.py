@@ -9,8 +9,8 @@ from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.probe import inside, locate, strain_at, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import factor
-from fefinger.geometry.voigt import tensor_from_voigt
 from fefinger.support.checks import InputError
+from fefinger.support.tensors import tensor_from_voigt
 from fefinger.support.tolerances import INSIDE
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.theory.contact.pressure_moments import moments
+from fefinger.results.pressure import moments
 
 
 def grid(count=81, reach=3.0):

@@ -5,16 +5,14 @@ import pytest
 from fefinger.validation.oracles import synthetic
 from scipy import optimize
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.theory.lumped import confidence, identify, ramp_hold
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-SUBJECTS = {
-    name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.lumped().items()
-}
+SUBJECTS = {name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in library.lumped().items()}
 AH = SUBJECTS["a.h."]
 
 

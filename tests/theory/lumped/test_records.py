@@ -7,7 +7,7 @@ import pytest
 from fefinger.validation.oracles import synthetic
 from fefinger.validation.thesis.claims import two_pole
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.support.arrays import Array
 from fefinger.theory.lumped import identify, ramp_hold
 from fefinger.theory.lumped.spring import Spring
@@ -15,9 +15,7 @@ from fefinger.theory.lumped.spring import Spring
 
 Samples = tuple[Array, Array, Array]
 
-SUBJECTS = {
-    name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in pawluk1997.lumped().items()
-}
+SUBJECTS = {name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in library.lumped().items()}
 
 
 def trial(name: str = "a.h.", *, seed: int | None = 3, **options: float) -> Samples:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.theory.lumped import spring as lumped
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-ROWS = pawluk1997.lumped()
+ROWS = library.lumped()
 SUBJECTS = {name: (Spring(row.b, row.m), row.prony) for name, row in ROWS.items()}
 AH = SUBJECTS["a.h."]
 EVERY = pytest.mark.parametrize(("spring", "prony"), SUBJECTS.values(), ids=SUBJECTS)

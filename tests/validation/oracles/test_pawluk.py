@@ -11,13 +11,13 @@ from fefinger.validation.oracles.fingerpad import Fingerpad
 from fefinger.validation.thesis.pressure import pad
 from fefinger.validation.thesis.unloading import pressure_as_printed
 
-from fefinger.scene import pawluk1997
+from fefinger.scene import library
 from fefinger.theory.contact.hertz import Hertz, relative_radius
 from fefinger.theory.lumped.spring import Spring
 from fefinger.theory.relaxation import Prony, hereditary_integral
 
 
-LUMPED = {name: (Spring(row.b, row.m), row.prony) for name, row in pawluk1997.lumped().items()}
+LUMPED = {name: (Spring(row.b, row.m), row.prony) for name, row in library.lumped().items()}
 EVERY = pytest.mark.parametrize(("spring", "prony"), LUMPED.values(), ids=LUMPED)
 MEANS = pad("means", "relaxed")
 
