@@ -8,6 +8,7 @@ force_control.py     the depth at which a force is borne
 prony_history.py     what the past leaves, by exponentials
 active_set.py, coulomb.py    the solvers of one step: complementarity, Coulomb
 complementarity.py   complementarity without time: many loads, one flexibility
-posed.py (pad_worlds.py, pad_gaps.py, signed_distance.py)   objects at any pose, in many worlds
+posed_steps.py (posed.py, pad_worlds.py, pad_gaps.py, signed_distance.py)   objects at any pose, in
+                     many worlds
 oscillators.py       modes of a body: through time, and harmonic with a contact that stays closed
 """

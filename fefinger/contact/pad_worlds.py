@@ -46,7 +46,7 @@ class Factors(NamedTuple):
     """Pawluk's modulus by angles (k,) in degrees and penetrations (i,) in mm of plates.
 
     values (k, i, 3): the logarithm of t, and of the patch in mm², and the fullness of the
-    penetration, see `posed.penetration`. The angle is that of a plate, about y: 0 below the pad,
+    penetration, see `pad_gaps.penetration`. The angle is that of a plate, about y: 0 below the pad,
     positive toward the tip.
     """
 
@@ -74,11 +74,15 @@ class Softness(NamedTuple):
     """Flexibility of the objects themselves.
 
     matrix (k, n, n) mm³/kPa of k elastic bodies, for the pressures at all vertices of the pad; body
-    (b,): which of them an object is, -1 if it is rigid.
+    (b,): which of them an object is, -1 if it is rigid. Without a matrix all are rigid.
     """
 
     matrix: Array
     body: Integers
+
+
+RIGID = Softness(np.empty((0, 0, 0)), np.empty(0, dtype=np.int64))
+"""Of objects that are all rigid."""
 
 
 class Worlds(NamedTuple):

@@ -1,4 +1,4 @@
-"""Contact of a pad with rigid objects at any pose: one step of many worlds that share the pad.
+"""Contact problem of a pad with objects at any pose: set before a step, and read after it.
 
 The pad is known by its compliance A for tractions along x, y and z at every vertex. From each place
 of the skin a ray along its normal finds the nearest object: the gap counts along the object's
@@ -13,10 +13,7 @@ g t gap + F x - A h >= 0.
 
 import numpy as np
 
-from fefinger.contact import active_set
-from fefinger.contact.active_set import DONE, K, LcpState
-from fefinger.contact.coulomb import CoulombSolver
-from fefinger.contact.pad_gaps import frames, gaps, jumped, moved, nearest, project
+from fefinger.contact.pad_gaps import frames, gaps, jumped, moved, nearest, stiffening
 from fefinger.contact.pad_worlds import (
     AREA,
     BORDER,
@@ -24,9 +21,7 @@ from fefinger.contact.pad_worlds import (
     DEPTH,
     PASSED,
     STICK,
-    UNSOLVED,
     VALID,
-    Factors,
     Moves,
     Pad,
     Readings,
@@ -34,26 +29,9 @@ from fefinger.contact.pad_worlds import (
     Worlds,
 )
 from fefinger.contact.prony_history import gain
-from fefinger.support.arrays import Array, Flags, Floats, Integers
+from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.compiled import njit
-from fefinger.support.tolerances import COMPLEMENTARITY
 
-
-NEAR, NEAR_RUBBED = 0.15, 1.0
-"""Gap in mm within which skin may come into contact in a step, without and with friction.
-
-Without friction skin that is not within the object is pushed away from it: contact ends .04 mm or
-more within it in presses to 1.8 mm. Friction heaps skin up before an object, by .4 mm before a ball
-of 8 mm that is dragged by 3 mm at a coefficient of .8.
-"""
-
-WIDER, FULLER = 0.13, 1.8
-"""Slopes of the exponent of t, by which it departs from a plate's: with the logarithm of the patch
-over that under the plate, and with the difference in fullness (see `penetration`).
-
-Least squares over 28 presses of a.h. (`validation/evidence/tactile.py`, those without `at`) at .5
-to 1.5 mm: a ball on the proximal pad stiffens less than a plate there, a pin more.
-"""
 
 STUCK = 1e-6
 """Part of mu times the pressure by which the traction of a vertex that sticks falls short of it."""
@@ -200,63 +178,6 @@ def _finish(
 
 
 @njit(cache=True)
-def _between(value: float, grid: Array) -> tuple[int, float]:
-    """Return the interval of a grid that holds a value, and where in it from 0 to 1.
-
-    Beyond the grid they are its nearest end.
-    """
-    k = 0
-    while k < len(grid) - 2 and value > grid[k + 1]:
-        k += 1
-    return k, min(max((value - grid[k]) / (grid[k + 1] - grid[k]), 0.0), 1.0)
-
-
-@njit(cache=True)
-def penetration(pad: Pad, direction: Array, m: Work) -> tuple[float, float, float, float]:
-    """Describe how objects penetrate the undeformed skin, by numbers that are continuous.
-
-    Returns the deepest penetration in mm, the mean angle of the objects' normals in degrees, the
-    patch in mm² and the fullness: first moment squared over the second of the penetration over the
-    skin, and second over first over the deepest one. A flat punch has a fullness of 1, a smooth
-    object 2 / 3. Without penetration the patch is 0.
-    """
-    deepest = x = z = first = second = 0.0
-    for a in range(m.found[0]):
-        j = m.listed[a]
-        into = max(-m.ahead[j], 0.0)
-        part = into * pad.areas[j]
-        deepest = max(deepest, into)
-        first += part
-        second += into * part
-        x += part * direction[j, 0]
-        z += part * direction[j, 2]
-    if first == 0.0:
-        return 0.0, 0.0, 0.0, 0.0
-    angle = np.degrees(np.arctan2(-x, z))
-    return deepest, angle, first * first / second, second / (first * deepest)
-
-
-@njit(cache=True)
-def stiffening(f: Factors, pad: Pad, direction: Array, m: Work) -> float:
-    """Return the factor t on the elastic traction, a power of that under a plate.
-
-    The plate has the angle and the depth of what penetrates the skin.
-    """
-    deepest, angle, patch, fullness = penetration(pad, direction, m)
-    if patch == 0.0:
-        return 1.0
-    k, part = _between(deepest, f.depths)
-    i, share = _between(angle, f.angles)
-    plate = np.zeros(3)
-    for c in range(3):
-        low = f.values[i, k, c] + part * (f.values[i, k + 1, c] - f.values[i, k, c])
-        high = f.values[i + 1, k, c] + part * (f.values[i + 1, k + 1, c] - f.values[i + 1, k, c])
-        plate[c] = low + share * (high - low)
-    power = 1.0 + WIDER * (np.log(patch) - plate[1]) + FULLER * (fullness - plate[2])
-    return np.exp(power * plate[0])
-
-
-@njit(cache=True)
 def prepare(
     compliance: Floats,
     pad: Pad,
@@ -285,26 +206,6 @@ def prepare(
     return g, stiffening(move.factors, pad, out.frame[w, 0], m)
 
 
-@njit(cache=True)
-def set_up(
-    flexibility: Array,
-    compliance: Floats,
-    pad: Pad,
-    move: Moves,
-    s: Worlds,
-    out: Readings,
-    m: Work,
-    w: int,
-    stiffness: float,
-) -> None:
-    """Set F and the right side of the contact problem of a world; stiffness: g t."""
-    project(flexibility, compliance, out.frame[w], m)
-    load(
-        *(pad, move.rotation[w], move.place[w], s.rotation[w], s.place[w]),
-        *(out.touched[w], out.frame[w], m, stiffness),
-    )
-
-
 @njit(cache=True, nogil=True)
 def accept(
     x: Array,
@@ -328,126 +229,3 @@ def accept(
     _put(s, w, move.rotation[w], move.place[w])
     s.stepped[w] = True
     out.stiffness[w] = g * t
-
-
-@njit(cache=True, nogil=True)
-def step_without_friction(
-    solver: LcpState,
-    compliance: Floats,
-    pad: Pad,
-    move: Moves,
-    s: Worlds,
-    out: Readings,
-    m: Work,
-    first: int,
-    last: int,
-    kept: bool,
-) -> None:
-    """Advance the worlds from `first` to before `last`.
-
-    kept: whether the solver holds the active set of this one world.
-    """
-    for w in range(first, last):
-        g, t = prepare(compliance, pad, move, s, out, m, w, NEAR)
-        set_up(solver.flexibility, compliance, pad, move, s, out, m, w, g * t)
-        if kept:
-            deactivate(solver, m.near)
-        else:
-            activate(solver, s.x[w], s.active[w], m.near)
-        if active_set.solve(solver, m.offset, COMPLEMENTARITY) != DONE:
-            out.verdict[w] = UNSOLVED
-            m.near[:] = False
-            activate(solver, s.x[w], s.active[w], m.near)
-            continue
-        accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, 0.0)
-
-
-@njit(cache=True)
-def deactivate(solver: LcpState, near: Flags) -> None:
-    """Take the vertices that are no longer near out of the active set.
-
-    The inverse of the others is a start for their new F.
-    """
-    i = 0
-    while i < solver.counts[K]:
-        vertex = solver.where[i]
-        if near[vertex]:
-            i += 1
-        else:
-            active_set.remove_vertex(solver, vertex)
-            solver.x[vertex] = 0.0
-    active_set.product(solver)
-
-
-@njit(cache=True)
-def activate(solver: LcpState, x: Array, active: Flags, near: Flags) -> None:
-    """Give the solver the active vertices of a world that are near, and their pressures."""
-    solver.place[:] = -1
-    k = 0
-    for j in range(len(active)):
-        on = active[j] and near[j]
-        solver.x[j] = x[j] if on else 0.0
-        if on:
-            solver.where[k] = j
-            k += 1
-    solver.counts[K] = k
-    active_set.rebuild(solver)
-    active_set.product(solver)
-
-
-@njit(cache=True, nogil=True)
-def _open(
-    flexibility: Array,
-    x: Array,
-    product: Array,
-    where: Integers,
-    compliance: Floats,
-    pad: Pad,
-    move: Moves,
-    s: Worlds,
-    out: Readings,
-    m: Work,
-    w: int,
-) -> tuple[float, float, int]:
-    """Set up the problem with friction of a world: F, its right side, the last x and F x.
-
-    Returns g, t and the number of vertices in contact, which are listed in `where`.
-    """
-    n, k = len(m.gap), 0
-    g, t = prepare(compliance, pad, move, s, out, m, w, NEAR_RUBBED)
-    set_up(flexibility, compliance, pad, move, s, out, m, w, g * t)
-    for j in range(n):
-        on = s.active[w, j] and m.near[j]
-        for a in range(3):
-            x[a * n + j] = s.x[w, a * n + j] if on else 0.0
-        if on:
-            where[k] = j
-            k += 1
-    active_set.combine(product, flexibility, x, np.empty(3 * n, dtype=np.int64), np.empty(3 * n))
-    return g, t, k
-
-
-def step_with_friction(
-    solver: CoulombSolver,
-    compliance: Floats,
-    pad: Pad,
-    move: Moves,
-    s: Worlds,
-    out: Readings,
-    m: Work,
-    first: int,
-    last: int,
-    mu: float,
-) -> None:
-    """Advance the worlds from `first` to before `last` with Coulomb friction.
-
-    The solver runs in Python between compiled parts, so that threads wait for each other there.
-    """
-    for w in range(first, last):
-        known = solver.flexibility, solver.x, solver.moved, solver.where, compliance, pad
-        g, t, solver.counts[K] = _open(*known, move, s, out, m, w)
-        solver.rebuild()
-        if solver.solve(m.offset, COMPLEMENTARITY) != DONE:
-            out.verdict[w] = UNSOLVED
-            continue
-        accept(solver.x, solver.moved, pad, move, s, out, m, w, g, t, mu)

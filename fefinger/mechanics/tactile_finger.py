@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fefinger.contact import active_set, pad_worlds, posed, posed_soft
+from fefinger.contact import active_set, pad_gaps, pad_worlds, posed_steps
 from fefinger.contact.coulomb import CoulombSolver
 from fefinger.contact.elastic_kernel import flexibility
 from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Softness
@@ -165,7 +165,7 @@ class TactileFinger:
                 if along == 0.0:
                     continue  # as far as nothing is touched, t is 1
                 (_, work), frame = pad._solvers[0], pad._out.frame[0, 0]
-                _, _, patch, fullness = posed.penetration(pad.pad, frame, work)
+                _, _, patch, fullness = pad_gaps.penetration(pad.pad, frame, work)
                 row[k, 1:] = np.log(patch), fullness
                 if touch.valid:
                     row[k, 0] = np.log(table.rest(relaxed, depth=float(depths[k])).force / along)
@@ -233,22 +233,18 @@ class TactileFinger:
     def _advance(self, shapes: Shapes, rotation: Array, place: Array, dt: float) -> None:
         size = -(-self.worlds // len(self._solvers))
         kept, state, out = self._kept and self.worlds == 1, self._state, self._out
-        known, soft = (self._maps.compliance, self.pad), self._soft
+        known, soft = (self._maps.compliance, self.pad), self._soft or pad_worlds.RIGID
         move = Moves(shapes, rotation, place, dt, self.deepest, self._factors)
 
         def part(number: int) -> None:
             solver, work = self._solvers[number]
             first, last = number * size, min((number + 1) * size, self.worlds)
             if self.friction:
-                posed.step_with_friction(
+                posed_steps.step_with_friction(
                     solver, *known, move, state, out, work, first, last, self.friction
                 )
-            elif soft is None:
-                posed.step_without_friction(
-                    solver, *known, move, state, out, work, first, last, kept
-                )
             else:
-                posed_soft.step_with_soft_objects(
+                posed_steps.step_without_friction(
                     solver, *known, soft, move, state, out, work, first, last, kept
                 )
 

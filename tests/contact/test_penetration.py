@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fefinger.contact import pad_worlds
+from fefinger.contact.pad_gaps import penetration
 from fefinger.contact.pad_worlds import Pad, Work
-from fefinger.contact.posed import penetration
 
 
 SIDE, PITCH = 30, 0.4
