@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fefinger.geometry.raster import MOST, height_map
+from fefinger.geometry.height_map import MOST, height_map
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, number
 from fefinger.support.csv_columns import is_numeric, read_columns, read_matrix, read_table

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Self, final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.geometry.raster import MOST
+from fefinger.geometry.height_map import MOST
 from fefinger.scene.indenter import (
     FLANK_SAMPLES,
     Crest,

@@ -10,7 +10,7 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
-from fefinger.geometry.raster import MOST
+from fefinger.geometry.height_map import MOST
 from fefinger.mechanics import hertz, layered, linear, lumped
 from fefinger.mechanics.situation import Situation
 from fefinger.pages.report import _touch
