@@ -1,6 +1,7 @@
 """List and run the validation suites by name."""
 
 import math
+import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -61,7 +62,7 @@ def module_of(suite: str) -> ModuleType:
     offered = {point.name: point for point in entry_points(group=GROUP)}
     if suite in offered:
         module = offered[suite].load()
-    elif Path(f"{suite}.py").is_file() or (suite.isidentifier() and find_spec(suite)):
+    elif os.path.isfile(f"{suite}.py") or (suite.isidentifier() and find_spec(suite)):
         load_plugin(suite, Path())
         module = sys.modules[suite]
     else:

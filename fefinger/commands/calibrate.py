@@ -168,17 +168,18 @@ def _object(text: str) -> "Indenter":
     import tomllib
 
     from fefinger.scene.toml import indenter_of
-    from fefinger.support.checks import InputError
+    from fefinger.support.checks import InputError, reject_unknown
     from fefinger.support.inputs import parse_toml
 
     try:
-        table = parse_toml("--indenter", f"object = {{{text}}}")["object"]
+        read = parse_toml("--indenter", f"object = {{{text}}}")
     except tomllib.TOMLDecodeError as error:
         raise InputError(
             f'--indenter: expected keys of an object, such as kind="sphere", radius=5, received '
             f"{text!r}: {error}"
         ) from None
-    return indenter_of(table, Path())
+    reject_unknown("--indenter", read, ("object",))
+    return indenter_of(read["object"], Path())
 
 
 def _design(finger: "Finger", rig: "Rig", *, as_json: bool) -> None:

@@ -23,7 +23,7 @@ from fefinger.commands.validate import bench, validate
 from fefinger.commands.view import live, view
 from fefinger.support import VERSION
 from fefinger.support.atomic_write import FULL, write_error
-from fefinger.support.checks import ConvergenceError, InputError, address_space
+from fefinger.support.checks import ConvergenceError, InputError, address_space, printable
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
 
@@ -46,6 +46,7 @@ def run(arguments: list[str]) -> int:
         _say(MESSAGE)
         return INTERRUPTED
     except click.ClickException as error:
+        vars(error)["message"] = printable(error.message)  # it may quote a word of any length
         _unless_full(error.show)
         return error.exit_code
     except Exception as error:

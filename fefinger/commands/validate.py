@@ -41,6 +41,8 @@ def validate(
         message = f"--name: expected a base name of files, such as validation, received {name!r}"
         raise InputError(message)
     with atomic_write.output(output) as folder:
+        if folder is not None:
+            atomic_write.output_file(folder / f"{name}.html", "--name")
         with console.progress() as report:
             outcomes = available.run(suites, quick=quick, progress=report or silent)
         record = available.as_json(outcomes)

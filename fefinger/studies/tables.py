@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fefinger.pages.page import flat
 from fefinger.scene.schema import split
 from fefinger.studies.grid import MEASURES, MISSED, meaning
-from fefinger.support.atomic_write import in_place, netcdf
+from fefinger.support.atomic_write import check_name, in_place, netcdf
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import read_json
 
@@ -80,6 +80,7 @@ def check(path: str | PathLike[str], option: str) -> None:
         what = "a folder" if os.path.isdir(path) else "one in a folder that cannot be written to"
         msg = f"{option}: expected a file that can be written, received {what}: {str(path)!r}"
         raise InputError(msg)
+    check_name(path, option)
     if path.suffix.lower() == ".parquet" and find_spec("pyarrow") is None:
         raise InputError(
             f"{option}: expected pyarrow to be installed for a Parquet file, found none; run `pip "

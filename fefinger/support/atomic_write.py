@@ -195,7 +195,22 @@ def output_file(path: str | PathLike[str], option: str, ending: str = "") -> Pat
         message = f"{option}: expected a file, received the folder {str(path)!r}; choose another"
         raise InputError(message)
     output_folder(Path(path).parent)
+    check_name(path, option)
     return Path(path)
+
+
+def check_name(path: str | PathLike[str], option: str) -> None:
+    """Raise InputError where no file can have the name given as `option`, as it is too long."""
+    try:
+        os.lstat(path)
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(
+            f"{option}: expected a file that can be written, received {os.fspath(path)!r} "
+            f"({reason}); choose another"
+        ) from None
 
 
 def output_folder(folder: str | PathLike[str]) -> Path:

@@ -48,7 +48,7 @@ class InputError(ValueError):
     """
 
     def __init__(self, message: str, *, field: str | None = None) -> None:
-        super().__init__(_sentence(message))
+        super().__init__(printable(message))
         begins = FIELD.match(message)
         self.field = field if field is not None else begins[1] if begins else ""
 
@@ -69,7 +69,7 @@ class Stopped(ConvergenceError):
         self.reached = reached
 
 
-def _sentence(message: str) -> str:
+def printable(message: str) -> str:
     """Return a message with its lines shortened and unprintable characters escaped."""
     lines = []
     for line in message.split("\n"):

@@ -5,6 +5,7 @@ import re
 import stat
 
 import pytest
+from fefinger.validation import suites
 
 from fefinger.__main__ import main
 from fefinger.support.checks import ConvergenceError, InputError
@@ -260,6 +261,34 @@ def test_a_picture_under_a_name_of_another_kind_is_refused(capsys, arguments, en
     assert f"expected a file that ends in {ending}, received 'a" in refused(capsys, arguments)
 
 
+def test_keys_beside_those_of_an_object_are_refused(capsys):
+    """What closes the table of the object and goes on was read, and left out in silence."""
+    table = 'kind="sphere", radius=5}\nx = {'
+    words = ["calibrate", "a.csv", "--width", "15", "--thickness", "11", "--indenter", table]
+    assert "x: unknown key in [--indenter]" in refused(capsys, words)
+
+
+LONG = "x" * 5000
+LONG_NAMES = {
+    "mesh": ["mesh", "flat-press", "-o", f"{LONG}.vtu"],
+    "picture": ["mesh", "flat-press", "--picture", f"{LONG}.png"],
+    "table": ["study", "flat-press", "--over", "motion.depth=1,2", "--table", f"{LONG}.csv"],
+    "page": ["view", "out", "--html", f"{LONG}.html"],
+    "validation": ["validate", "neural", "--quick", "-o", "out", "--name", LONG],
+    "suite": ["validate", LONG, "--quick"],
+}
+
+
+@pytest.mark.parametrize("arguments", LONG_NAMES.values(), ids=LONG_NAMES)
+def test_a_name_that_no_file_can_have_is_refused_before_any_work(
+    capsys, monkeypatch, tmp_path, arguments
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(suites, "cases", None)
+    assert len(refused(capsys, arguments)) < 500
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     "over", [["indenter.angle=0:60:1000000"], ["indenter.angle=0:60:200", "motion.depth=0.7:1:200"]]
 )
@@ -293,8 +322,16 @@ def test_what_goes_wrong_inside_decides_the_exit_status(capsys, monkeypatch, err
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [(["rn"], "No such command 'rn'"), (["run"], "Missing argument"), (["run", "--x"], "--x")],
+    [
+        (["rn"], "No such command 'rn'"),
+        (["run"], "Missing argument"),
+        (["run", "--x"], "--x"),
+        ([LONG], "xxx [...] xxx"),
+        (["cache", "--prune", LONG], "[...]"),
+    ],
 )
 def test_a_command_that_is_no_command_is_refused(capsys, arguments, words):
     assert main(arguments) == 2
-    assert words in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert words in err
+    assert len(err) < 500
