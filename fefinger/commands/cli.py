@@ -26,6 +26,7 @@ from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError, address_space, printable
 from fefinger.support.compiled import notice
 from fefinger.support.interrupt import INTERRUPTED, MESSAGE
+from fefinger.support.processes import threads
 
 
 LEAST_MEMORY = 800
@@ -41,6 +42,7 @@ def run(arguments: list[str]) -> int:
     os.environ.pop("MPLBACKEND", None)
     try:
         _check_memory()
+        threads()  # numba takes a wrong number for its own, or ends with a traceback
         status = cli.main(args=arguments, prog_name="fefinger", standalone_mode=False)
     except (KeyboardInterrupt, click.Abort):
         _say(MESSAGE)

@@ -200,20 +200,20 @@ def touch_within(shape: Shape, touch: float | tuple[float, float], reach: float)
         return touch_point(shape, touch)
     far = float(np.hypot(*touch))
     backward = 0.1  # steps in mm by which the edge of the pad is looked for
-    for back in np.arange(0.0, far, backward):
-        place = (touch[0] * (1 - back / far), touch[1] * (1 - back / far))
-        try:
-            point = touch_point(shape, place)
-        except InputError:
-            continue
-        if back < reach + backward:
-            return point
-        raise InputError(
-            f"indenter.at: expected a place (x, y) mm on the pad, or so near that the object "
-            f"covers a part of it, in that direction within {far - back + reach:.3g} mm of (0, 0), "
-            f"received {touch}"
-        )
-    return touch_point(shape, touch)
+    widest = 60.0  # mm from the origin to the farthest place of any pad
+    back = backward * np.arange(int(max(far - widest, 0.0) / backward), np.ceil(far / backward))
+    x, y = (np.asarray(each * (1 - back / far), dtype=float) for each in touch)
+    on = np.flatnonzero(~_off(shape.skin, palm(shape.skin, x, y)))
+    if not on.size:
+        return touch_point(shape, touch)
+    nearest = int(on[0])
+    if back[nearest] < reach + backward:
+        return touch_point(shape, (float(x[nearest]), float(y[nearest])))
+    raise InputError(
+        f"indenter.at: expected a place (x, y) mm on the pad, or so near that the object covers a "
+        f"part of it, in that direction within {far - back[nearest] + reach:.3g} mm of (0, 0), "
+        f"received {touch}"
+    )
 
 
 def palm(skin: SmoothSurface, x: Array | float, y: Array | float) -> Array:

@@ -43,7 +43,12 @@ PLACING = {
         at_least=-180,
         at_most=180,
     ),
-    "at": Key("Place [x, y]; by default the point that the 30 degree plate touches", unit="mm"),
+    "at": Key(
+        "Place [x, y]; by default the point that the 30 degree plate touches",
+        unit="mm",
+        at_least=-1e4,  # of an object that goes on for ever
+        at_most=1e4,
+    ),
 }
 """Keys that place an object on the finger."""
 

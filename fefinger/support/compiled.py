@@ -51,7 +51,7 @@ def njit(**options: Unpack[NumbaOptions]) -> Callable[[Callable[P, R]], Callable
         except RuntimeError:  # "cannot cache function"
             _not_kept.append(function)
             return cast(Callable[P, R], decorator(**(given | {"cache": False}))(function))
-        if options.get("cache"):
+        if options.get("cache") and hasattr(kept, "_cache"):  # not where NUMBA_DISABLE_JIT is set
             # numba looks at the file of the function alone, and not at what it calls: after an
             # update of the package old code of an imported function would go on in silence.
             kept._cache._cache_file._source_stamp = _sources(function.__module__)

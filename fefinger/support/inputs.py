@@ -61,7 +61,14 @@ def unreadable(path: str | PathLike[str]) -> str:
         return "does not exist"
     if kind != stat.S_IFREG:
         return f"is {KINDS.get(kind, 'no file')}"
-    return "" if os.access(path, os.R_OK) else "may not be read"
+    try:
+        with open(path, "rb") as file:
+            file.read(1)
+    except PermissionError:
+        return "may not be read"
+    except OSError as error:  # of a bad disk, or of a file of the kernel
+        return f"cannot be read ({error.strerror})"
+    return ""
 
 
 def check_input(field: str, path: str | PathLike[str], expected: str) -> None:

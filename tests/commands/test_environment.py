@@ -48,6 +48,16 @@ def test_too_little_address_space_is_refused_and_enough_is_enough():
     assert (enough.returncode, enough.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("limit", ["0", "abc", "\N{SUPERSCRIPT TWO}"])
+def test_a_wrong_number_of_threads_is_refused_before_numba_reads_it(limit):
+    words = [*COMMAND, "explain", "flat-press"]
+    env = {**os.environ, "NUMBA_NUM_THREADS": limit}
+    done = subprocess.run(words, env=env, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    said = "error: NUMBA_NUM_THREADS: expected a number of threads of at least 1, received "
+    assert done.stderr == f"{said}{limit!r}\n"
+
+
 @pytest.mark.parametrize(
     "error",
     [

@@ -85,6 +85,8 @@ def test_a_place_is_so_near_the_pad_that_its_object_covers_a_part_of_it() -> Non
         reason = mesh_problem(finger, (4.0, 0.0), place, reach)
         assert (reason == "") == fits
     assert "within 8 mm of (0, 0)" in mesh_problem(finger, (4.0, 0.0), (9.0, 0.0), 3)
+    # Nothing is looked for where no pad is: 90,000 steps from there took minutes.
+    assert mesh_problem(finger, (4.0, 0.0), (0.0, 9e3), np.inf) == ""
     with refused("indenter.at"):
         ff.Scene(finger=finger, indenter=ff.Pin(6, at=(0, 10)), motion=ff.Ramp(10, 1))
     assert ff.Scene(finger=finger, indenter=ff.Bar(6, 1, at=(0, 99)), motion=ff.Ramp(10, 1))

@@ -262,6 +262,7 @@ BAD_TABLES = [
     ({"indenter": {"kind": "sphere", "radius": 0}}, r"indenter.radius: .*above 0"),
     ({"indenter": {"kind": "sphere", "radius": 3, "at": [1]}}, r"indenter.at: .*2 numbers"),
     ({"indenter": {"kind": "sphere", "radius": 3, "at": [0, 10]}}, r"indenter.at: .*a part of the"),
+    ({"indenter": {"kind": "cylinder", "radius": 3, "at": [0, 1e30]}}, r"at\[1\]: .* at most 1"),
     ({"indenter": {"kind": "ellipsoid", "radii": [1, 2]}}, r"indenter.radii: .*3 numbers"),
     ({"motion": {}}, r"motion.kind: missing; expected one of 'ramp'"),
     ({"motion": {"kind": "rampe"}}, r"motion.kind: .*Did you mean 'ramp'\?"),

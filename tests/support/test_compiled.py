@@ -53,6 +53,14 @@ def test_code_is_kept_in_the_cache_where_that_can_be_written(script, tmp_path):
     assert list((tmp_path / "cache").rglob("*.nbi"))
 
 
+def test_functions_are_left_as_they_are_where_numba_is_told_to(script):
+    env = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(
+        [sys.executable, str(script)], env=env, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["9"]
+
+
 def test_no_garbage_is_collected_while_a_function_is_compiled():
     seen = []
 

@@ -26,6 +26,7 @@ def test_what_is_no_file_is_named(tmp_path, monkeypatch):
         **{"file": "", "link": "", ".": "is a folder"},
     }
     assert unreadable("/dev/zero") == "is a device"
+    assert unreadable("/proc/self/mem") == "cannot be read (Input/output error)"  # as a bad disk
     assert unreadable("x" * 5000) == unreadable("a\0b") == nothing
 
 
