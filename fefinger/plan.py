@@ -13,8 +13,8 @@ from fefinger.mechanics.evidence import costs, stated_errors, vibration
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate, meshed
+from fefinger.results.plan_text import ERROR, SECONDS, relaxing, trust
 from fefinger.results.plan_text import ladder as written
-from fefinger.results.plan_text import trust
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Plan, Settings
 from fefinger.scene import builtin
@@ -36,9 +36,6 @@ if TYPE_CHECKING:
         *(lumped, hertz, layered),
         *(condensed, pressed, modal, linear, solid),
     )
-
-ERROR, SECONDS = "ask.rel_error", "ask.seconds"
-"""Fields of the scene that limit the error and the time of an answer."""
 
 MODAL = "modal"
 """The mechanics with inertia."""
@@ -282,7 +279,7 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         tiny = f"It presses {deepest:g} mm deep: lengths are in mm, not in m. "
     raise InputError(
         f"ask: no mechanics is known to answer this scene within the limits. {tiny}"
-        f"{_relaxing(rungs)}"
+        f"{relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
 
@@ -333,29 +330,6 @@ def _by_name(rungs: tuple[Rung, ...]) -> str:
     )
 
 
-def _relaxing(rungs: tuple[Rung, ...]) -> str:
-    """Suggest the smallest error or time to allow, and name the mechanics that then answers."""
-    sentences = ""
-    for quantity, field in (("error", ERROR), ("wall", SECONDS)):
-        close = [
-            rung
-            for rung in rungs
-            if rung.refusals
-            and all(refusal.field == field for refusal in rung.refusals)
-            # An error of 1 or more is not worth allowing.
-            and rung.error < 1.0
-        ]
-        if close:
-            best = min(close, key=lambda rung: float(getattr(rung, quantity)))
-            needed = float(getattr(best, quantity))
-            least = float(f"{1.005 * needed:.2g}")
-            while least < needed:
-                least *= 1.01
-            mesh = f" on the {best.resolution} mesh" if best.resolution else ""
-            sentences += f"Relax {field} to {least:.3g} and {best.mechanics}{mesh} answers. "
-    return sentences
-
-
 def _unchecked(case: Situation) -> str:
     """Suggest the coarsest mesh, which the check of spike counts leaves out."""
     if not case.ask.spikes or case.finger.resolution != AUTO:
@@ -403,7 +377,7 @@ def _sentence(
 ) -> str:
     """Return the choice in words: why, what is computed and built, what was left out."""
     how = "as named" if named else "the cheapest that does not refuse"
-    sentence = f"{chosen.mechanics}, {how}. {_computed(settings)}{_built(case, chosen)}"
+    sentence = f"{chosen.mechanics}, {how}. {settings.described}{_built(case, chosen)}"
     sentence += "".join(f" Caution: {each}." for each in unusual(case))
     tried = {rung.mechanics for rung in considered}
     left_out = [name for name in names() if name not in tried]
@@ -413,16 +387,6 @@ def _sentence(
         reasons = "; ".join(refusal.reason for refusal in chosen.refusals)
         sentence += f" It would have refused: {reasons}."
     return sentence
-
-
-def _computed(settings: Settings) -> str:
-    mesh = ""
-    if settings.resolution is not None:
-        half = "half a" if settings.half else "the whole"
-        mesh = f" on the {settings.resolution} mesh of {half} finger"
-    what = ", ".join(settings.computed)
-    fibers = f" and the spikes of {', '.join(settings.afferents)}" if settings.afferents else ""
-    return f"It computes {what}{fibers} at {settings.times} times{mesh}."
 
 
 def _built(case: Situation, rung: Rung) -> str:

@@ -186,7 +186,7 @@ def _parts(result: ResultRecord) -> Iterator[Part]:
             f"Contact pressure at {result.peak_name}, seen along the z axis; lines show the mesh. "
             f"{_top_pressure(result)}"
         )
-        part = _part("pressure", "Pressure on the pad", text, figures.pressure_map(result))
+        part = _part("pressure", "Pressure on the pad", text, spatial_figures.pressure_map(result))
         yield part | {"narrow": True}
     if result.contact_area is not None or result.centroid is not None:
         text = "Area of the pad in contact, and centroid of the pressure."

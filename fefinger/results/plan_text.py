@@ -24,6 +24,9 @@ QUANTITIES = {
 """Names of the quantities whose errors are stated."""
 
 
+ERROR, SECONDS = "ask.rel_error", "ask.seconds"
+"""Fields of the scene that limit the error and the time of an answer."""
+
 WIDE = 0.3
 """Error above which the range of the true value is shown."""
 
@@ -140,3 +143,26 @@ def left_out(ask: "Ask", mechanics: str) -> tuple[str, ...]:
     if not names:
         return ()
     return (f"Left out, as {mechanics} cannot give it: {', '.join(names)}.",)
+
+
+def relaxing(rungs: "tuple[Rung, ...]") -> str:
+    """Suggest the smallest error or time to allow, and name the mechanics that then answers."""
+    sentences = ""
+    for quantity, field in (("error", ERROR), ("wall", SECONDS)):
+        close = [
+            rung
+            for rung in rungs
+            if rung.refusals
+            and all(refusal.field == field for refusal in rung.refusals)
+            # An error of 1 or more is not worth allowing.
+            and rung.error < 1.0
+        ]
+        if close:
+            best = min(close, key=lambda rung: float(getattr(rung, quantity)))
+            needed = float(getattr(best, quantity))
+            least = float(f"{1.005 * needed:.2g}")
+            while least < needed:
+                least *= 1.01
+            mesh = f" on the {best.resolution} mesh" if best.resolution else ""
+            sentences += f"Relax {field} to {least:.3g} and {best.mechanics}{mesh} answers. "
+    return sentences

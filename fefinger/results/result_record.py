@@ -35,6 +35,17 @@ class Settings:
     computed: tuple[str, ...]
     afferents: tuple[str, ...]
 
+    @property
+    def described(self) -> str:
+        """What is computed, at how many times, and on which mesh, in a sentence."""
+        mesh = ""
+        if self.resolution is not None:
+            half = "half a" if self.half else "the whole"
+            mesh = f" on the {self.resolution} mesh of {half} finger"
+        what = ", ".join(self.computed)
+        fibers = f" and the spikes of {', '.join(self.afferents)}" if self.afferents else ""
+        return f"It computes {what}{fibers} at {self.times} times{mesh}."
+
 
 @dataclass(frozen=True)
 class Plan:

@@ -13,12 +13,10 @@ import numpy as np
 
 from fefinger.neural.trains import FEW
 from fefinger.results.harmonic import Harmonic
-from fefinger.results.records import Pad
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.vocabulary import TYPES
-from fefinger.view import quantities
 
 
 if TYPE_CHECKING:
@@ -325,49 +323,6 @@ def _draw_rate(axis: "Axes", times: Array, end: float, color: str, scale: float)
     rates = np.concatenate([[0.0], 1 / np.diff(times), [0.0]])
     axis.stairs(rates, edges * scale, color=color, fill=True, alpha=0.25)
     axis.stairs(rates, edges * scale, color=color, linewidth=1.1)
-
-
-def pressure_map(result: ResultRecord) -> "Figure":
-    """Draw the pressure on the pad and its centroid at the peak of the press, seen from below."""
-    from matplotlib.tri import Triangulation
-
-    assert result.pad is not None
-    assert result.pressure is not None
-    step = result.peak
-    pressure, pad = result.pressure[step], result.pad
-    loaded = np.flatnonzero(pressure > 0)
-    near = pad.points[loaded if loaded.size else slice(None)]
-    low, high = near.min(axis=0) - 2.0, near.max(axis=0) + 2.0
-    with style():
-        drawn = figure(5.4, 4.6)
-        axis = drawn.subplots()
-        pad_mesh = Triangulation(pad.points[:, 0], pad.points[:, 1], palmar_triangles(pad))
-        drawn_map = axis.tripcolor(
-            pad_mesh, pressure, shading="gouraud", rasterized=True,
-            cmap=quantities.SKIN_DEEP, vmin=0, vmax=max(pressure.max(), 1e-9),
-        )  # fmt: skip
-        axis.triplot(pad_mesh, color=STEEL, linewidth=0.25, alpha=0.5)
-        if result.centroid is not None:
-            place, color = result.centroid[step], "#0072B2"
-            for width, shade in ((4.5, "white"), (2.0, color)):
-                axis.plot(*place, marker="+", ms=13, mew=width, color=shade)
-            box = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 1.5}
-            axis.annotate(
-                "centroid", place, (8, 8), textcoords="offset points", color=color, bbox=box
-            )
-        axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        axis.set(xlabel="x (distal) / mm", ylabel="y (radial) / mm")
-        axis.set_title(
-            f"t = {result.time[step]:.4g} s: at most {pressure.max():.3g} kPa at a vertex, "
-            f"force {result.response.force[step]:.3g} N"
-        )
-        drawn.colorbar(drawn_map, label="contact pressure / kPa", shrink=0.85)
-        return drawn
-
-
-def palmar_triangles(pad: Pad) -> Integers:
-    """Return the triangles (k, 3) of the pad that are seen from below."""
-    return pad.triangles[(pad.normals[pad.triangles][:, :, 2] < 0).all(axis=1)]
 
 
 def stages(result: ResultRecord) -> "Figure":
