@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from fefinger.contact import coulomb
+from fefinger.contact import coulomb_kernels
 from fefinger.contact.active_set import DONE
-from fefinger.contact.coulomb import SOLVED, UNKNOWNS, CoulombSolver, K
+from fefinger.contact.coulomb import CoulombSolver
+from fefinger.contact.coulomb_kernels import SOLVED, UNKNOWNS, K
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +46,8 @@ def test_newton_solves_with_the_matrix_and_not_with_its_transpose(flexibility: n
     solver = CoulombSolver(flexibility, 1.0)
     assert solver.solve(np.random.default_rng(1).normal(size=60), 1e-10) == DONE
     k, block, unknowns = int(solver.counts[K]), solver._block, solver._unknowns
-    solver.counts[UNKNOWNS] = q = coulomb._unknowns(block, solver.where, k, unknowns)
-    matrix, right = coulomb._assemble(block, k, unknowns, q)
+    solver.counts[UNKNOWNS] = q = coulomb_kernels._unknowns(block, solver.where, k, unknowns)
+    matrix, right = coulomb_kernels.assemble(block, k, unknowns, q)
     assert np.abs(matrix - matrix.T).max() > 0.1
     assert matrix @ solver._newton(k, invert=False) == pytest.approx(right, abs=1e-10)
     solver._newton(k, invert=True)
