@@ -51,6 +51,7 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
         *notes.separate_relaxation_reasons(case.finger),
         *notes.elastic_hard_parts_reasons(case.finger),
         *notes.friction_reasons(case.indenter),
+        *notes.plate_alone_slides(case.motion, case.indenter),
         *notes.soft_reasons(case.indenter),
     ]
     if unable:

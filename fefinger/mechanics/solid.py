@@ -27,9 +27,9 @@ traits = Traits(meshed=True, finite=True)
 
 NOTES = (
     notes.LOGARITHMIC,
-    "The skin may slide along the indenter, frictionless unless a plate with a coefficient of "
-    "friction slides. Gaps are closed as weighted means over the facets "
-    "around each vertex, not at every point.",
+    "The skin may slide along the indenter, frictionless unless the indenter has a coefficient of "
+    "friction. Gaps are closed as weighted means over the facets around each vertex, not at every "
+    "point.",
     "The second Piola-Kirchhoff stress of the soft tissues relaxes (Fung's quasi-linear "
     "viscoelasticity); solved at steps of the motion and interpolated between them.",
     notes.QUASISTATIC,

@@ -77,7 +77,7 @@ class Motion(ABC):
     """Whether it has a path across the direction of travel."""
 
     along_line: ClassVar[bool] = False
-    """Whether that path is a line, along which it has a `heading`."""
+    """Whether that path is a line."""
 
     @cached_property
     @abstractmethod
@@ -149,14 +149,6 @@ class Motion(ABC):
         """Return the slopes (..., 2) of a plate that turns, over the plane across its travel.
 
         It moves along the normal of `plate`, and is level where it has the angles of that.
-        """
-        return np.zeros((*np.shape(t), 2))
-
-    def heading(self, t: ArrayLike) -> Array:
-        """Return the direction (..., 2) in which a plate slides: a unit vector at full speed.
-
-        It is shorter below full speed, stays as it was where the plate stops, and is zero without
-        a slide along a line.
         """
         return np.zeros((*np.shape(t), 2))
 

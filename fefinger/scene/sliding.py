@@ -122,14 +122,6 @@ class Slide(Ramped):
         """Return the velocity (..., 2) mm/s of the object at the times `t` in s."""
         return self.along.rate(t)[..., None] * self._heading
 
-    def heading(self, t: ArrayLike) -> Array:
-        """Return the velocity (..., 2) over the speed just before the times `t` in s.
-
-        In the corner of the last stop it is that before.
-        """
-        stop = self.recorded_from + self.passes * self.pass_seconds
-        return self.velocity(np.nextafter(np.minimum(t, stop), -np.inf)) / self.speed
-
     @property
     def _heading(self) -> Array:
         """Unit vector (2,) of the first pass, exact at right angles."""

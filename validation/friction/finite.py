@@ -1,4 +1,4 @@
-"""A plate that slides at finite strain, against small strain, balances and symmetry."""
+"""Friction at finite strain, against small strain, balances, symmetry and Uzawa's method."""
 
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -7,9 +7,13 @@ from unittest.mock import patch
 
 import numpy as np
 from fefinger.validation.friction.finger import ASK, ELASTIC, MU, difference, lateral
+from fefinger.validation.problems.cube import glued_cube
+from scipy.sparse.linalg import splu
 
 from fefinger.fem.hyperelastic.continuum import continuum
-from fefinger.fem.hyperelastic.state import State
+from fefinger.fem.hyperelastic.friction_history import FrictionHistory
+from fefinger.fem.hyperelastic.state import State, Target
+from fefinger.geometry.profiles import Plane, frame
 from fefinger.mechanics import linear, solid
 from fefinger.mechanics.press import finite_strain
 from fefinger.mechanics.press.problem import Press, materials
@@ -48,20 +52,6 @@ def change_ratio() -> float:
     return float(finite / small)
 
 
-def onset_ratio() -> float:
-    """Return the path at which the whole contact slips, at finite over small strain.
-
-    At small strain none of it sticks from there on; at finite strain no skin was drawn as far.
-    """
-    small = lateral(shallow("linear", ROUGH))
-    assert small.stick_area is not None
-    path = np.abs(small.shift[:, 0])
-    first = int(np.flatnonzero((path > 0) & (small.stick_area == 0))[0])
-    words = lateral(shallow("solid", ROUGH)).outcome
-    assert words.startswith("Gross slip")
-    return float(words.split("moved by ")[1].split(" mm")[0]) / float(path[first])
-
-
 def _iterated_far() -> AbstractContextManager[object]:
     """Iterate presses as far as any body, for comparisons to more digits than an answer needs."""
     return patch.object(finite_strain, "PRESS_EQUILIBRIUM", EQUILIBRIUM)
@@ -69,7 +59,7 @@ def _iterated_far() -> AbstractContextManager[object]:
 
 @cache
 def balance() -> tuple[float, float]:
-    """Return the deviations from P (axis + mu s), over P, in the contact and on the bone.
+    """Return friction over mu P less 1, and the load on the bone less P axis + Q, over P.
 
     They are those after a deep slide.
     """
@@ -79,21 +69,64 @@ def balance() -> tuple[float, float]:
     with _iterated_far():
         history = finite_strain.solve(press, Stages(None))
     elements = continuum(press.body.space, materials(press.finger), soft=(1, 2))
-    last = len(history.depth) - 1
-    values = history.frames[last]
+    values = history.frames[len(history.depth) - 1]
     inner, _ = elements.residual(values, elements.at_rest)
     count = press.body.space.n_displacements
     reaction = inner[:count].copy()
     reaction[press.system.free[press.system.free < count]] = 0.0
     borne = float(history.contact.projected @ history.pressure[-1])
-    proximal = np.array([-np.cos(np.radians(30)), 0.0, -np.sin(np.radians(30))])
-    along = press.obstacle.axis + MU * proximal
-    state = State(values, history.pressure[last], float(history.depth[last]))
-    pulled = history.contact.at(state).pulled(MU * proximal) @ state.pressure
-    forces = [pulled[:count], -reaction]
-    missing = [each.reshape(-1, 3).sum(axis=0) / borne - along for each in forces]
-    contact, bone = (float(np.abs(each[[0, 2]]).max()) for each in missing)
-    return contact, bone
+    pulled = history.sideways.force[-1]
+    load = borne * press.obstacle.axis + pulled @ frame(press.obstacle.axis)[:2]
+    missing = (-reaction.reshape(-1, 3).sum(axis=0) - load) / borne
+    return float(np.hypot(*pulled) / (MU * borne) - 1.0), float(np.abs(missing[[0, 2]]).max())
+
+
+def curve_error() -> float:
+    """Return the largest difference of the friction through a slide from small strain.
+
+    Over the largest; at the times between the load steps it is interpolated.
+    """
+    small, finite = (lateral(shallow(name, ROUGH)).force[:, 0] for name in ("linear", "solid"))
+    return float(np.abs(finite - small).max() / np.abs(small).max())
+
+
+def projected() -> float:
+    """Return the difference of pressures and tractions of a cube from those of Uzawa's method.
+
+    Over the highest pressure. The plate is .1 mm deep and moves by .04 mm, so that part of the skin
+    slips. By turns the body takes a Newton step under the present tractions, and these are
+    projected on Coulomb's law: nothing is shared with the solver but residuals, gaps and slips.
+    """
+    body, solver = glued_cube(np.eye(3), Plane(), 0.4)
+    contact, free = solver.contact, solver.system.free
+    areas, none = contact.projected, np.zeros((2, len(contact)))
+    rest = State(np.zeros(body.space.n_unknowns), none[0], 0.0, traction=none)
+    friction = FrictionHistory(contact, (MU, MU))
+    before = solver.find(rest, Target("depth", 0.1, body.at_rest, friction=friction.after(rest)))
+    moved = Target(
+        "depth", 0.1, body.at_rest, shift=np.array([0.04, 0, 0]), friction=friction.after(before)
+    )
+    after = solver.find(before, moved)
+    state = replace(before, shift=moved.shift)
+    step = 2.0  # kPa/mm; less than 2 over the largest compliance of the cube
+    inverse = splu(body.tangent(before.values, body.at_rest).tocsc()[np.ix_(free, free)])
+    for _ in range(8000):
+        gap = contact.at(state)
+        inner, _ = body.residual(state.values, body.at_rest)
+        loads = gap.loads @ state.pressure + gap.tangential @ state.traction.ravel()
+        values = state.values.copy()
+        values[free] += inverse.solve((loads - inner)[free])
+        state = replace(state, values=values)
+        gap = contact.at(state)
+        pressure = np.maximum(state.pressure - step * gap.gaps / areas, 0.0)
+        traction = state.traction - step * contact.slip(gap, state, before) / areas
+        bound, size = MU * pressure, np.hypot(*traction)
+        traction *= np.divide(bound, size, where=size > bound, out=np.ones_like(size))
+        found = replace(state, pressure=pressure, traction=traction)
+        change, state = np.abs(found.contact - state.contact).max(), found
+        if change < 1e-9 * pressure.max():
+            break
+    return float(np.abs(state.contact - after.contact).max() / after.pressure.max())
 
 
 def mirrored() -> float:

@@ -8,10 +8,13 @@ from scipy.optimize import brentq
 
 from fefinger.fem.contact.deformed_gap import contact_surface
 from fefinger.fem.contact.obstacle import Obstacle
+from fefinger.fem.elements.assembly import Elastic
+from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.material import Material
+from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.linalg.system import factor
+from fefinger.geometry.profiles import Profile
 from fefinger.support.arrays import Array
 
 
@@ -44,6 +47,32 @@ def cube(law: Material, cells: int = 2) -> Cube:
         spreads=body.nearly_incompressible,
     )
     return Cube(law, body, Equilibrium(body, contact, system))
+
+
+def glued_cube(turn: Array, profile: Profile, poisson: float) -> tuple[Continuum, Equilibrium]:
+    """Return a cube of 1 mm and 40 kPa, held at its base, under an object with friction.
+
+    turn (3, 3): a rotation of the whole scene; profile: of the object, which travels along -z.
+    """
+    straight = box(*3 * (np.linspace(0.0, 1.0, 3),))
+    space = Space(straight.points @ turn.T, straight.cells, straight.tissue)
+    body = continuum(space, {1: material_of(Elastic(40.0, poisson))})
+    base = np.flatnonzero(np.abs(straight.node_points[:, 2]) < 1e-9)
+    fixed = (3 * base[:, None] + np.arange(3)).ravel()
+    rest = np.zeros(space.n_unknowns)
+    system = factor(space, body.tangent(rest, body.at_rest, consistent=False), fixed)
+    facets = np.asarray(straight.scalar.mesh.facets.T)
+    top = facets[(straight.points[facets][:, :, 2] == 1).all(axis=1)]
+    axis, origin = turn @ [0.0, 0.0, -1.0], turn @ [0.5, 0.5, 1.0]
+    contact = contact_surface(
+        space,
+        top,
+        np.zeros_like(space.points),
+        Obstacle(axis, origin, profile),
+        reach=1.0,
+        spreads=body.nearly_incompressible,
+    )
+    return body, Equilibrium(body, contact, system, frictional=True)
 
 
 def energy(law: Material, along: float, across: float) -> float:

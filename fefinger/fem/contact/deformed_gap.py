@@ -32,11 +32,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.contact.soft import RIGID_SURFACE, ObjectSurface
-from fefinger.fem.contact.obstacle import FAR, Obstacle
+from fefinger.fem.contact.obstacle import FAR, Obstacle, Rigid
 from fefinger.fem.contact.patch import RINGS, Candidates, Neighborhood, candidates, neighborhood
 from fefinger.fem.elements.assembly import scattered
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.state import State
+from fefinger.geometry.profiles import frame
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.compiled import njit
 
@@ -106,26 +107,34 @@ class DeformedGap:
         )
         return self._columns(data)
 
-    def pulled(self, drag: Array) -> sparse.csc_matrix:
-        """Return the loads (n_unknowns, n) mm² of unit pressures with friction on a plate.
+    @cached_property
+    def tangential(self) -> sparse.csc_matrix:
+        """The loads (n_unknowns, 2n) mm² of unit tractions in both directions along the obstacle.
 
-        Where the skin slips, the traction is the pressure phi' sum psi lambda times `drag` (3,): a
-        vector in the plane, of the length of the coefficient and in the direction in which the
-        plate pulls the skin. Its integral against the displacements is added to `loads`; it is no
-        derivative of a gap. The sum over the nodes is m p (axis + drag), to rounding.
+        The traction is spread as the pressure, phi' sum psi lambda |grad g|, and acts along the
+        obstacle's tangents over the two directions across its axis: first those of all candidates
+        over the first direction, then over the second. On a plate the sum over the nodes is m q
+        along each, to rounding. The same integral of a displacement is the weighted slip.
         """
-        if not drag.any():
-            return self.loads
         on, part = self.contact.on, self.contact.on.part
-        sums = np.einsum("tjq,tq,kq->tjk", self._hats, self._slope, part.quadratic)
-        sums /= self.steepness[on.owner][:, :, None]
-        slots = self.contact.columns[2]
-        block = np.broadcast_to(sums[..., None] * drag, slots.shape)
-        owned = slots >= 0
-        size = len(self.loads.data)
-        return self.loads + self._columns(
-            np.bincount(slots[owned], block[owned], size).astype(np.float64)
+        sums = np.einsum(
+            "tjq,tq,kq,tqac->tajkc",
+            self._hats,
+            self._slope,
+            part.quadratic,
+            tangents(self.contact.obstacle.axis, self.gradient),
+            optimize=True,
         )
+        sums /= self.steepness[on.owner][:, None, :, None, None]
+        slots, size = self.contact.columns[2], len(self.loads.data)
+        owned = slots >= 0
+        along, across = (
+            self._columns(np.bincount(slots[owned], sums[:, a][owned], size).astype(np.float64))
+            for a in range(2)
+        )
+        if self.contact.medial.any():
+            across = across @ sparse.diags_array(1.0 - self.contact.medial)
+        return sparse.hstack([along, across], format="csc")
 
     @cached_property
     def fold_stiffness(self) -> Array:
@@ -228,8 +237,9 @@ class ContactSurface:
 
     on: the candidates; neighborhood: they and the vertices around them, where gaps are read;
     at_rest (n_near, 3) mm: the undeformed positions of the neighborhood; reach mm: the largest gap
-    of the candidates; spreads: whether gaps are weighted over the deformed pad; surface: how far
-    the obstacle gives way under the pressure.
+    of the candidates; medial (n,): those in the plane of symmetry of half a finger, which no
+    friction pulls across it; spreads: whether gaps are weighted over the deformed pad; surface: how
+    far the obstacle gives way under the pressure.
     """
 
     obstacle: Obstacle
@@ -238,6 +248,7 @@ class ContactSurface:
     at_rest: Array
     n_unknowns: int
     reach: float
+    medial: Flags
     spreads: bool = True
     surface: ObjectSurface = RIGID_SURFACE
 
@@ -277,7 +288,8 @@ class ContactSurface:
 
     def at(self, state: State) -> DeformedGap:
         """Evaluate the gaps and loads of the pad in a state."""
-        distance, gradient = self.obstacle.implicit(self.deformed(state.values), state.depth)
+        places = self.deformed(state.values) - state.shift
+        distance, gradient = self.obstacle.implicit(places, state.depth)
         distance = np.where(np.isfinite(distance), distance, FAR)
         distance = distance + self.surface.at_places(state.pressure)
         part = self.on.part
@@ -286,6 +298,29 @@ class ContactSurface:
         if self.spreads:
             _fill_spread(state.values, self.rows, part.sides, part.slopes, spread, spreading)
         return DeformedGap(self, state.pressure, distance, gradient, spread, spreading)
+
+    def bearing(self, loads: sparse.csc_matrix) -> Array:
+        """Compute the force along the axis (k,) mm² of unit loads (n_unknowns, k).
+
+        That of pressures is `projected`, to rounding; tractions over slopes have one too.
+        """
+        return np.asarray(loads.T @ self.translation(self.obstacle.axis))
+
+    def slip(self, gap: DeformedGap, state: State, before: State) -> Array:
+        """Compute the slip (2, n) mm³ of the skin over the obstacle between two states.
+
+        It is weighted as the tractions of `gap`, those of `state`, and grows by m per mm on a
+        plate.
+        """
+        moved = (state.depth - before.depth) * self.obstacle.axis + state.shift - before.shift
+        change = state.values - before.values - self.translation(moved)
+        return np.asarray(gap.tangential.T @ change).reshape(2, -1)
+
+    def translation(self, moved: Array) -> Array:
+        """Return the displacements (n_unknowns,) of skin that moves by (3,) mm."""
+        values = np.zeros(self.n_unknowns)
+        values[self.rows] = moved
+        return values
 
     def deformed(self, values: Array) -> Array:
         """Deformed positions (n_tri, n_q, 3) mm of the quadrature points."""
@@ -298,7 +333,8 @@ class ContactSurface:
         The gap is FAR where the obstacle is not ahead.
         """
         moved = state.values[3 * self.neighborhood.vertices[:, None] + np.arange(3)]
-        distance, gradient = self.obstacle.implicit(self.at_rest + moved, state.depth)
+        places = self.at_rest + moved - state.shift
+        distance, gradient = self.obstacle.implicit(places, state.depth)
         distance = distance + self.surface.around(state.pressure)
         gap = distance / np.linalg.norm(gradient, axis=1)
         return np.where(np.isfinite(gap), gap, FAR), moved
@@ -312,16 +348,37 @@ def contact_surface(
     reach: float,
     *,
     spreads: bool = True,
+    half: bool = False,
+    under: Rigid | None = None,
 ) -> ContactSurface:
     """Build the contact surface: the candidates within `reach` mm, and one ring around them.
 
     The ring is for sharp edges: the gap beside one grows beyond any reach within a facet, while
-    the skin folds around it.
+    the skin folds around it. half: of a finger, at a plane of symmetry y = 0; under: all that an
+    obstacle passes over on its path, by default the obstacle.
     """
-    on = candidates(space, triangles, normals, obstacle, reach, rings=1)
-    around = neighborhood(space, triangles, normals, obstacle, reach, on.vertices, 1 + RINGS)
+    under = obstacle if under is None else under
+    on = candidates(space, triangles, normals, under, reach, rings=1)
+    around = neighborhood(space, triangles, normals, under, reach, on.vertices, 1 + RINGS)
     at_rest = space.points[around.vertices]
-    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach, spreads)
+    medial = half & (space.points[on.vertices, 1] == 0)
+    return ContactSurface(obstacle, on, around, at_rest, space.n_unknowns, reach, medial, spreads)
+
+
+def tangents(axis: Array, gradient: Array) -> Array:
+    """Return orthogonal tangents (..., 2, 3) of an obstacle, of the length of its gradient.
+
+    gradient (..., 3): of its distance, 1 along the axis (3,). Over a plate the tangents are the two
+    directions across the axis; over a slope the first stays above the first of these.
+    """
+    across = frame(axis)[:2]
+    slopes = gradient @ across.T
+    first, second = (across[a] - slopes[..., a, None] * axis for a in range(2))
+    first = first / np.linalg.norm(first, axis=-1, keepdims=True)
+    second = second - (second * first).sum(axis=-1, keepdims=True) * first
+    second = second / np.linalg.norm(second, axis=-1, keepdims=True)
+    length = np.linalg.norm(gradient, axis=-1)[..., None, None]
+    return np.asarray(length * np.stack([first, second], axis=-2))
 
 
 @njit(cache=True)

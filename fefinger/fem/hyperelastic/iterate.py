@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from fefinger.contact.frictional import STUCK
 from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.fem.hyperelastic.state import State, Target
+from fefinger.fem.hyperelastic.state import Friction, State, Target
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import PRESS_LESS, ConvergenceError
 
@@ -19,31 +20,34 @@ ASTRAY = 16  # iterations after which an error above 1 is accepted only while it
 class Iterate:
     """An iterate with its internal force `inner` (n_unknowns,) mN, gaps and relative error.
 
-    pulled: the loads of unit pressures with their friction.
+    loads: of unit pressures and, with friction, of unit tractions; slip (2, n) mm³: since the start
+    of the load step, (2, 0) without friction; bearing (n,) or (3n,) mm²: their forces along the
+    axis.
     """
 
     state: State
     inner: Array
     gap: DeformedGap
-    pulled: sparse.csc_matrix
-    error: float
+    loads: sparse.csc_matrix
+    slip: Array
+    bearing: Array
+    error: float = np.inf
 
 
 def relative_error(
     body: Continuum,
     contact: ContactSurface,
     free: Integers,
-    state: State,
+    iterate: Iterate,
     target: Target,
-    residual: Array,
-    gaps: Array,
     load: float,
 ) -> float:
-    """Return the largest of the relative errors of force, volume, gap and prescribed force.
+    """Return the largest of the relative errors of force, volume, gap, slip and prescribed force.
 
-    free: unknowns that are not held; residual (n_unknowns,) mN: internal forces less the forces of
-    the contact; gaps (n_candidates,) mm³; load mN: the largest one so far.
+    free: unknowns that are not held; load mN: the largest one so far.
     """
+    state, gaps = iterate.state, iterate.gap.gaps
+    residual = iterate.inner - iterate.loads @ state.contact
     projected, n = contact.projected, body.space.n_displacements
     load = max(load, target.force_floor)
     size = max(abs(state.depth), float(np.abs(state.values[:n]).max(initial=0.0)))
@@ -57,12 +61,29 @@ def relative_error(
         volumes / (size * projected.sum()) if size > 0 else volumes,
         float(apart.max()) / size if size > 0 else 0.0,
     ]
+    if target.friction is not None and size > 0:
+        errors.append(
+            float(_unlawful(state, target.friction, iterate.slip / projected).max()) / size
+        )
     if target.by_force:
-        reached = float(projected @ state.pressure)
+        reached = float(iterate.bearing @ state.contact)
         most = max(target.value, reached, target.force_floor, 1e-300)
         errors.append(abs(reached - target.value) / most)
     worst = max(errors)
     return worst if np.isfinite(worst) else np.inf
+
+
+def _unlawful(state: State, friction: Friction, slip: Array) -> Array:
+    """Return the part (n,) mm of the slip (2, n) mm that Coulomb's law does not allow.
+
+    Under pressure: all of it where the skin sticks; where it slips, what is not against the
+    traction.
+    """
+    size, bound = np.hypot(*state.traction), friction.coefficient * state.pressure
+    slips = (size >= bound * (1 - STUCK)) & (size > 0)
+    against = -np.divide(state.traction, size, where=slips, out=np.zeros_like(slip))
+    allowed = against * np.maximum((against * slip).sum(axis=0), 0.0)
+    return np.where(bound > 0, np.hypot(*(slip - allowed)), 0.0)
 
 
 def stagnant(errors: list[float], stuck: int) -> bool:

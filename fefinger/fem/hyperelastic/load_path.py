@@ -14,6 +14,7 @@ import numpy as np
 
 from fefinger.contact.prony_history import Relaxation
 from fefinger.fem.hyperelastic.continuum import Continuum, HistoryStress
+from fefinger.fem.hyperelastic.friction_history import FrictionHistory
 from fefinger.fem.hyperelastic.newton import Equilibrium, Exhausted
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.support.arrays import Array, Integers
@@ -77,13 +78,13 @@ class StressHistory:
 class LoadPath:
     """Prescribed motion of the indenter: `value` is depth in mm or force in mN over time in s.
 
-    drag(t) (3,): the friction of a plate that slides, see `Target`.
+    shift(t) (3,) mm: the place of the indenter across its axis.
     """
 
     control: str
     times: Array
     value: Callable[[float], float]
-    drag: Callable[[float], Array] = lambda t: np.zeros(3)
+    shift: Callable[[float], Array] = lambda t: np.zeros(3)
 
     @property
     def peak(self) -> float:
@@ -116,19 +117,22 @@ def follow(
     observe: Callable[[int, State], None],
     progress: Callable[[float], None] = lambda fraction: None,
     allowance: FactorizationBudget | None = None,
+    friction: FrictionHistory | None = None,
 ) -> int:
     """Solve the load path step by step; return the number of steps taken.
 
     `observe` is called with the index and the state of every time. The body is at rest before
     the first time, whose value is reached by a jump. Without an `allowance` the number of
-    factorizations has no limit.
+    factorizations has no limit. With `friction` the equilibrium is one with tractions.
 
     Raises ConvergenceError if a step does not converge after SPLITS splits, or takes more than the
     allowance has left; all before it has been observed.
     """
     body, contact = equilibrium.body, equilibrium.contact
-    state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
-    solver = _PathSolver(equilibrium, history, path, path.peak, state, state)
+    none = np.zeros((2, 0 if friction is None else len(contact)))
+    shift = path.shift(float(path.times[0]))
+    state = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0, shift, none)
+    solver = _PathSolver(equilibrium, history, path, path.peak, state, state, friction)
     remaining = allowance or FactorizationBudget()
     for k, time in enumerate(path.times):
         before = equilibrium.factors
@@ -150,6 +154,7 @@ class _PathSolver:
     peak: float
     state: State
     previous: State
+    friction: FrictionHistory | None = None
     value: float = 0.0
     previous_value: float = 0.0
     steps: int = 0
@@ -158,9 +163,11 @@ class _PathSolver:
         """Solve the step from time `start` to `stop`; subdivide it where it does not converge."""
         value = float(self.path.value(stop))
         history = self.stress.over(stop - start)
-        target = Target(self.path.control, value, history, self.peak, self.path.drag(stop))
+        shift = self.path.shift(stop)
+        friction = None if self.friction is None else self.friction.after(self.state)
+        target = Target(self.path.control, value, history, self.peak, shift, friction)
         try:
-            state = self.equilibrium.find(self._guess(value), target)
+            state = self.equilibrium.find(self._guess(value, shift), target)
         except ConvergenceError as error:
             if splits == 0 or stop == start or isinstance(error, Exhausted):
                 message = f"at {stop:.6g} s ({self.path.control} {value:.6g}): {error}"
@@ -169,21 +176,33 @@ class _PathSolver:
                 self.advance(begin, end, splits - 1)
             return
         self.stress.advance(stop - start, state.values)
+        if self.friction is not None:
+            self.friction.advance(self.state, state)
         self.previous, self.state = self.state, state
         self.previous_value, self.value = self.value, value
         self.steps += 1
 
-    def _guess(self, value: float) -> State:
-        """Extrapolate the last two states linearly to a new depth or force.
+    def _guess(self, value: float, shift: Array) -> State:
+        """Extrapolate the last two states linearly to a new depth or force, or along a path.
 
-        In a hold the body is taken to creep as far as in the step before. The pressures are part
+        In a rest the body is taken to creep as far as in the step before. The pressures are part
         of it: an old factor errs by their change, as its contact loads belong to another shape.
         """
         last = self.value - self.previous_value
         if last == 0:
-            ratio = 1.0 if value == self.value else 0.0
+            ratio = self._part(shift) if value == self.value else 0.0
         else:
-            farthest = 2.0  # extrapolation of a step, over the step before it
-            ratio = float(np.clip((value - self.value) / last, -farthest, farthest))
+            ratio = (value - self.value) / last
+        farthest = 2.0  # extrapolation of a step, over the step before it
+        ratio = float(np.clip(ratio, -farthest, farthest))
         guess = self.previous.toward(self.state, 1.0 + ratio)
-        return replace(guess, pressure=np.maximum(guess.pressure, 0.0))
+        pressed = guess.pressure > 0
+        traction = np.where(pressed, guess.traction, 0.0) if self.friction else guess.traction
+        return replace(guess, pressure=np.maximum(guess.pressure, 0.0), traction=traction)
+
+    def _part(self, shift: Array) -> float:
+        """Return how far a step along the path goes, over the step before it; 1 in a rest."""
+        last, now = self.state.shift - self.previous.shift, shift - self.state.shift
+        if not last.any():
+            return 0.0 if now.any() else 1.0
+        return float(now @ last / (last @ last))

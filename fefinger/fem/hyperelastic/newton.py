@@ -14,9 +14,10 @@ facets that fold and spread, resists motion against the obstacle: its force is C
 the motion of the obstacle, so that K0^-1 C e dd is added to the displacements. Without it the slope
 of the force was twice the true one, and each iteration halved the error.
 
-Under a plate that slides, the loads B gain the friction of the skin that slips, P = B + mu T: the
-complementarity problem has the matrix B' K0^-1 P, without symmetry. It is exact in the pressures;
-that the friction of a facet changes with its shape is left out of the tangent, not of the residual.
+With friction, the loads are those of pressures and of tractions in both directions along the
+obstacle, and the contact obeys Coulomb's law for the slip since the last equilibrium (backward
+Euler). That the tractions of a facet change with its shape is left out of the tangent, not of the
+residual.
 
 The flow of one load step:
 
@@ -37,7 +38,6 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from fefinger.contact.complementarity import pressure_at_force
 from fefinger.fem.contact.deformed_gap import ContactSurface, DeformedGap
 from fefinger.fem.hyperelastic.continuum import Continuum
 from fefinger.fem.hyperelastic.iterate import (
@@ -47,6 +47,7 @@ from fefinger.fem.hyperelastic.iterate import (
     relative_error,
     stagnant,
 )
+from fefinger.fem.hyperelastic.linearized_contact import LinearizedContact
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
@@ -93,7 +94,8 @@ class Equilibrium:
 
     The last factor of the tangent is reused from step to step. `system` is the body at rest with
     its held facets. `iterations`, `factors` and `descents` (steps that needed blended tangents)
-    count the work; `allowed` bounds `factors`. `tolerance` is the relative residual to reach.
+    count the work; `allowed` bounds `factors`. `tolerance` is the relative residual to reach;
+    `frictional` says whether the targets have friction.
     """
 
     def __init__(
@@ -102,9 +104,11 @@ class Equilibrium:
         contact: ContactSurface,
         system: System,
         tolerance: float = EQUILIBRIUM,
+        *,
+        frictional: bool = False,
     ) -> None:
         self.body, self.contact, self.system = body, contact, system
-        self.tolerance = tolerance
+        self.tolerance, self.frictional = tolerance, frictional
         self.load = 0.0  # of the equilibria so far the largest, which scales the residual
         self.iterations, self.factors, self.descents = 0, 0, 0
         self.allowed = np.inf
@@ -112,7 +116,7 @@ class Equilibrium:
         # A tangent has as many negative eigenvalues as pressures where the body is stable.
         self._pressures = int((system.free >= body.space.n_displacements).sum())
         at_rest, none = np.zeros(body.space.n_unknowns), np.zeros(len(contact))
-        loads = contact.at(State(at_rest, none, 0.0)).loads
+        loads = self._loads(contact.at(State(at_rest, none, 0.0)))
         self._factored = FactoredTangent(
             system.approximate_factor, system.free, loads, 1.0, none, none
         )
@@ -123,11 +127,9 @@ class Equilibrium:
         Raises ConvergenceError if it is not reached; the step was too large for the body or the
         contact; Exhausted if it takes more factors than are allowed.
         """
+        start = replace(start, shift=target.shift)
         if not target.by_force:
             start = replace(start, depth=target.value)
-        same_drag = 1e-9  # change of the coefficient of friction that needs no other columns
-        if np.abs(target.drag - self._factored.drag).max() > same_drag:
-            self._factored.set_loads(self.contact.at(start), target.drag)
         try:
             return self._search(start, target)
         except ConvergenceError:
@@ -222,16 +224,25 @@ class Equilibrium:
         most = 1e30  # nodal force in mN of a diverged iteration, whatever the tissue
         if least <= 0 or not np.abs(inner).max() < most:  # "not <" also catches nan
             return None
-        gap = self.contact.at(state)
-        pulled = gap.pulled(target.drag)
-        residual = inner - pulled @ state.pressure
+        gap, slip = self.contact.at(state), state.traction
+        loads = self._loads(gap)
+        if target.friction is not None:
+            slip = self.contact.slip(gap, state, target.friction.before)
+        bearing = self.contact.projected
+        if self.frictional:
+            bearing = np.append(bearing, self.contact.bearing(gap.tangential))
+        iterate = Iterate(state, inner, gap, loads, slip, bearing)
         load = max(self.load, float(np.linalg.norm(gap.loads @ state.pressure)))
-        error = relative_error(
-            self.body, self.contact, self.system.free, state, target, residual, gap.gaps, load
-        )
+        error = relative_error(self.body, self.contact, self.system.free, iterate, target, load)
         if error <= self.tolerance:
             self.load = load
-        return Iterate(state, inner, gap, pulled, error)
+        return replace(iterate, error=error)
+
+    def _loads(self, gap: DeformedGap) -> sparse.csc_matrix:
+        """Return the loads of unit pressures and, with friction, of unit tractions."""
+        if not self.frictional:
+            return gap.loads
+        return sparse.hstack([gap.loads, gap.tangential], format="csc")
 
     def _folds_too_stiff(self, fold_stiffness: Array, target: Target) -> bool:
         """Whether the fold stiffness has changed too much for the present factor.
@@ -284,18 +295,16 @@ class Equilibrium:
         support: Array,
         stiffness: sparse.csr_matrix,
     ) -> FactoredTangent:
-        """Return the factor of a tangent with the contact of the gaps and the friction of a target.
+        """Return the factor of a tangent with the contact of the gaps.
 
         support (n,) kPa/mm: what was added to the tangent under the candidates; stiffness
         (n_unknowns, n_unknowns): the part of the tangent that the contact has.
         """
         gain, free = target.history.gain, self.system.free
-        factored = FactoredTangent(renewed, free, gap.loads, gain, support, gap.fold_stiffness)
-        if target.drag.any():
-            factored.set_loads(gap, target.drag)
+        loads = self._loads(gap)
+        factored = FactoredTangent(renewed, free, loads, gain, support, gap.fold_stiffness)
         if target.by_force:  # else the obstacle stays where it is
-            rigid = np.zeros(self.body.space.n_unknowns)
-            rigid[: self.body.space.n_displacements].reshape(-1, 3)[:] = self.contact.obstacle.axis
+            rigid = self.contact.translation(self.contact.obstacle.axis)
             factored.set_travel_load(stiffness @ rigid)
         return factored
 
@@ -346,7 +355,7 @@ class Equilibrium:
             raise ConvergenceError(message) from error
 
     def _step(self, iterate: Iterate, target: Target, mixing: "Anderson") -> State:
-        """Make one iteration: linearized body, exact complementarity of the contact."""
+        """Make one iteration: linearized body, exact law of the contact."""
         state, factored, surface = iterate.state, self._factored, self.contact.surface
         gaps, loads, projected = iterate.gap.gaps, iterate.gap.loads, self.contact.projected
         mean_gap = gaps / projected  # mm; `gaps` are mm³
@@ -354,32 +363,23 @@ class Equilibrium:
         # K0 was made with another relaxation factor: K = K0 / gain_ratio.
         gain_ratio = factored.gain / target.history.gain
         support = factored.support * (state.pressure > 0) / gain_ratio  # kPa/mm
-        force = iterate.pulled @ state.pressure - loads @ (support * mean_gap) - iterate.inner  # mN
-        at_same_contact = gain_ratio * factored.solve(force)  # mm, with pressures and depth kept
+        force = iterate.loads @ state.contact - loads @ (support * mean_gap) - iterate.inner  # mN
+        at_same_contact = gain_ratio * factored.solve(force)  # mm, with contact and depth kept
         following, closing = factored.travel(loads, projected)  # mm and mm² per mm of travel
-        gaps_then = gaps + state.depth * closing + loads.T @ at_same_contact  # mm³, at a depth of 0
+        if self.frictional:
+            slipping = iterate.bearing[len(projected) :] - iterate.gap.tangential.T @ following
+            closing = np.concatenate([closing, slipping])
+        apart = np.concatenate([gaps, iterate.slip.ravel()])
+        free = apart + state.depth * closing + iterate.loads.T @ at_same_contact  # mm³
+        linearized = LinearizedContact(
+            factored, surface, gain_ratio, state, free, closing, iterate.bearing
+        )
         while True:
-            solver = surface.softened(factored.contact(near), near, gain_ratio)
-            pressure, depth = np.zeros(len(projected)), state.depth
-            bare_gaps = gaps_then[near] - gain_ratio * (  # mm³, without any pressure
-                solver.flexibility @ state.pressure[near]
-            )
-            if not target.by_force:
-                pressure[near] = solver.solve(bare_gaps - depth * closing[near]) / gain_ratio
-            else:
-                depth, pressure[near], _ = pressure_at_force(
-                    solver,
-                    1 / gain_ratio,
-                    bare_gaps,
-                    projected[near],
-                    target.value,
-                    depth,
-                    target.peak,
-                    closing[near],
-                )
-            change = at_same_contact + factored.moved(gain_ratio * (pressure - state.pressure))
+            depth, contact = linearized.solve(near, target)
+            change = at_same_contact + factored.moved(gain_ratio * (contact - state.contact))
             change += (depth - state.depth) * following
             predicted_gaps = gaps + (state.depth - depth) * projected + loads.T @ change
+            pressure, traction = np.split(contact, [len(projected)])
             predicted_gaps += surface.opened(pressure - state.pressure)
             penetrating = ~near & (predicted_gaps < 0)
             if not penetrating.any():
@@ -388,4 +388,4 @@ class Equilibrium:
         # With the depth, of which `change` is a function under force control.
         point, moved = np.append(state.values, state.depth), np.append(change, depth - state.depth)
         mixed = mixing.next(point, moved)
-        return State(mixed[:-1], pressure, float(mixed[-1]))
+        return State(mixed[:-1], pressure, float(mixed[-1]), target.shift, traction.reshape(2, -1))

@@ -5,21 +5,21 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from fefinger.contact.complementarity import Complementarity
-from fefinger.fem.contact.deformed_gap import DeformedGap
+from fefinger.contact.coulomb import CoulombSolver
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
 from fefinger.support.arrays import Array, Flags, Integers
 
 
 class FactoredTangent:
-    """Factored tangent K0, the contact loads B, and the computed columns of Z = K0^-1 P.
+    """Factored tangent K0, the contact loads L, and the computed columns of Z = K0^-1 L.
 
-    P are the `pulled` loads of unit pressures, with friction: B where there is none.
-    The flexibility B' Z then has its symmetry.
+    loads: of unit pressures on the n candidates, and with friction of unit tractions in both
+    directions, n or 3n columns. L' Z is the flexibility.
 
     gain: the relaxation factor at which the tangent was made; support (n_candidates,) kPa/mm: the
     stiffness added under the candidates; fold_stiffness (n_candidates,) kPa/mm: of the
-    contact law against folds (see `deformed_gap`). column_of (n_candidates,): the number of a
-    candidate's column of Z, -1 until it is needed.
+    contact law against folds (see `deformed_gap`). column_of (n_loads,): the number of a load's
+    column of Z, -1 until it is needed.
 
     following (n_unknowns,): displacement per mm of travel that the contact stiffness in K0 causes.
     """
@@ -34,10 +34,16 @@ class FactoredTangent:
         fold_stiffness: Array,
     ) -> None:
         self.approximate_factor, self.free, self.gain = approximate_factor, free, gain
-        self.drag = np.zeros(3)
         self.support, self.fold_stiffness = support, fold_stiffness
         self.following = np.zeros(loads.shape[0])
-        self._take(loads, loads)
+        self.loads = loads
+        self._surface = np.unique(loads.indices)  # all else is not loaded
+        self._surface_loads = loads[self._surface]
+        self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
+        self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
+        self.flexibility = np.empty((0, 0))
+        self._near = np.zeros(len(support), dtype=np.bool_)
+        self._solver: Complementarity | CoulombSolver | None = None
         self._woodbury: tuple[sparse.csc_matrix, Array, Array] | None = None
 
     def set_travel_load(self, load: Array) -> None:
@@ -55,24 +61,6 @@ class FactoredTangent:
         if (closing > 0).all():
             return self.following, closing
         return np.zeros_like(self.following), projected
-
-    def set_loads(self, gap: DeformedGap, drag: Array) -> None:
-        """Replace the contact loads by those at the present gaps, with the friction `drag` (3,).
-
-        The tangent stays, without the derivative of the friction by the displacements.
-        """
-        self.drag = drag
-        self._take(gap.loads, gap.pulled(drag))
-
-    def _take(self, loads: sparse.csc_matrix, pulled: sparse.csc_matrix) -> None:
-        self.loads, self.pulled = loads, pulled
-        self._surface = np.unique(loads.indices)  # all else is not loaded
-        self._surface_loads = loads[self._surface]
-        self.column_of = np.full(loads.shape[1], -1, dtype=np.int64)
-        self.columns = np.empty((0, loads.shape[0]), dtype=np.float32)
-        self.flexibility = np.empty((0, 0))
-        self._near = np.zeros(loads.shape[1], dtype=np.bool_)
-        self._solver: Complementarity | None = None
 
     def add_support(self, support: Array, projected: Array) -> int:
         """Add an elastic `support` (n_candidates,) to the gaps, weighted by the areas `projected`.
@@ -92,13 +80,10 @@ class FactoredTangent:
         )
         inverse = (vectors / values) @ vectors.T
         self.support, self._woodbury = support, (loads, columns, inverse)
-        removed = int((values < 0).sum())
-        if self.drag.any():
-            return removed  # the columns are those of other loads
         self.column_of[chosen] = np.arange(len(chosen))
         self.columns = (columns - columns @ (inverse @ flexibility)).T.astype(np.float32)
         self.flexibility = loads.T @ self.columns.T
-        return removed
+        return int((values < 0).sum())
 
     def solve(self, right: Array) -> Array:
         """Return K0^-1 `right` (n,) or (n, k) to the factor's precision, zero where prescribed."""
@@ -113,27 +98,34 @@ class FactoredTangent:
 
     def contact(self, near: Flags) -> Complementarity:
         """Return the complementarity solver of the candidates `near` (n_candidates,)."""
-        if self._solver is not None and np.array_equal(near, self._near):
-            return self._solver
-        new = np.flatnonzero(near & (self.column_of < 0))
-        if len(new):
-            self.column_of[new] = len(self.columns) + np.arange(len(new))
-            added = self.solve(self.pulled[:, new].toarray()).T.astype(np.float32)
-            self.columns = np.concatenate([self.columns, added])
-            self.flexibility = self._bordered(added, new)
-        where = self.column_of[near]
-        flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
-        symmetric = not self.drag.any()
-        if symmetric:
-            flexibility = (flexibility + flexibility.T) / 2
-        self._near = near
-        self._solver = Complementarity(flexibility, any_sign=True, symmetric=symmetric)
+        if not (isinstance(self._solver, Complementarity) and np.array_equal(near, self._near)):
+            self._near = near
+            self._solver = Complementarity(self._flexibility_of(near), any_sign=True)
         return self._solver
 
-    def _bordered(self, added: NDArray[np.float32], new: Integers) -> Array:
-        """Return the flexibility with `added` columns (n, n_unknowns) of the candidates `new`.
+    def coulomb(self, near: Flags) -> CoulombSolver:
+        """Return the solver of contact with friction of the candidates `near` (n_candidates,)."""
+        if not (isinstance(self._solver, CoulombSolver) and np.array_equal(near, self._near)):
+            self._near = near
+            self._solver = CoulombSolver(self._flexibility_of(np.tile(near, 3)), 0.0)
+        return self._solver
 
-        Only rows and columns of the new candidates are computed.
+    def _flexibility_of(self, chosen: Flags) -> Array:
+        """Return the flexibility of `chosen` loads (n_loads,)."""
+        new = np.flatnonzero(chosen & (self.column_of < 0))
+        if len(new):
+            self.column_of[new] = len(self.columns) + np.arange(len(new))
+            added = self.solve(self.loads[:, new].toarray()).T.astype(np.float32)
+            self.columns = np.concatenate([self.columns, added])
+            self.flexibility = self._bordered(added, new)
+        where = self.column_of[chosen]
+        flexibility = self.flexibility[np.ix_(where, where)].astype(np.float64)
+        return np.asarray((flexibility + flexibility.T) / 2)
+
+    def _bordered(self, added: NDArray[np.float32], new: Integers) -> Array:
+        """Return the flexibility with `added` columns (n, n_unknowns) of the loads `new`.
+
+        Only rows and columns of the new loads are computed.
         """
         surface, loads = self._surface, self._surface_loads
         order = np.argsort(self.column_of)[-len(self.columns) :]
@@ -144,9 +136,9 @@ class FactoredTangent:
         whole[known:, :known] = loads[:, new].T @ self.columns[:known, surface].T
         return whole
 
-    def moved(self, pressure: Array) -> Array:
-        """Displacement Z dp (n_unknowns,) under a change of pressure (n_candidates,)."""
+    def moved(self, contact: Array) -> Array:
+        """Displacement Z dx (n_unknowns,) under a change of the contact (n_loads,) kPa."""
         weights = np.zeros(len(self.columns), dtype=np.float32)
         computed = self.column_of >= 0
-        weights[self.column_of[computed]] = pressure[computed]
+        weights[self.column_of[computed]] = contact[computed]
         return np.asarray(weights @ self.columns, dtype=np.float64)

@@ -8,7 +8,7 @@ elastic_press.py            the table over depth of `pressed` (depth_table.py): 
 tabulated_press.py          contact of `pressed`: that table along a motion
 modal_press.py, frequency_response.py
                             contact with inertia of `modal`, in time and by frequency
-moving_contact.py, dragged.py
+moving_contact.py, finite_sliding.py
                             contact under a path or with friction, at small and finite strain
 axisymmetric.py             `hertz` and `layered`: contacts and fields of closed formulas
 layer_press.py              `layered` of any object, on a grid: its gaps in layer_gap.py, its

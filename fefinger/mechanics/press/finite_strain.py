@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,18 +9,21 @@ from scipy import sparse
 
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
+from fefinger.fem.contact.travel import envelope
 from fefinger.fem.elements.probe import recovered_gradient_at
 from fefinger.fem.hyperelastic import load_path
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
+from fefinger.fem.hyperelastic.friction_history import FrictionHistory, SideLoad
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
-from fefinger.mechanics.press import dragged, mesh_limits, placement, problem
+from fefinger.mechanics.press import mesh_limits, placement, problem
 from fefinger.mechanics.press.compliances import object_surface
 from fefinger.mechanics.press.load_steps import (
     LoadSteps,
     load_steps,
     peak_steps,
+    stride_of,
     tissue_relaxations,
 )
 from fefinger.mechanics.press.problem import (
@@ -52,7 +54,7 @@ WORTH = 4  # steps that are worth keeping when a run has to stop
 BUDGET = load_path.FactorizationBudget(usual=8, spare=40)
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
-RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain")
+RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain", "sideways")
 """Quantities of a `FiniteStrainHistory` that are recorded at every step."""
 
 
@@ -136,14 +138,22 @@ def solve(
     with stages.stage("factor"):
         elements = continuum(press.body.space, materials(finger), soft=(1, 2))
     relaxing = tissue_relaxations(finger)
-    steps = load_steps(motion, press.time, relaxing, refine, friction=press.indenter.kinetic)
+    steps = load_steps(
+        motion,
+        press.time,
+        relaxing,
+        refine,
+        friction=press.indenter.friction,
+        depth=press.expected_depth,
+        stride=stride_of(press.indenter),
+    )
     frames = set(frames_of(steps.value, int(np.argmax(steps.value))).tolist())
     course = Course(
         load_path.LoadPath(
             motion.control,
             steps.times,
             lambda t: press.load_unit * float(motion.value(t)),
-            partial(dragged.drag, press),
+            press.places,
         ),
         lambda: load_path.StressHistory(
             elements, relaxations(finger), deviatoric=finger.relaxation == "deviatoric"
@@ -179,10 +189,15 @@ class _Recorder:
     """Records every step for the response, and whole states at some; stops at a rim."""
 
     def __init__(
-        self, body: Solid, contact: ContactSurface, probe: sparse.csr_matrix, course: "Course"
+        self,
+        body: Solid,
+        contact: ContactSurface,
+        probe: sparse.csr_matrix,
+        course: "Course",
+        friction: FrictionHistory | None,
     ) -> None:
         self.contact, self.probe, self.course = contact, probe, course
-        self.places = body.space.node_points
+        self.space, self.friction = body.space, friction
         on = contact.on
         self.rim = on.border | np.isin(on.vertices, placement.border(body))
         self.rows: list[tuple[Any, ...]] = []
@@ -194,7 +209,9 @@ class _Recorder:
         self.last = state.values
         clearance = self.contact.clearance(state)
         strain = logarithmic((self.probe @ state.values).reshape(-1, 3, 3))
-        self.rows.append((state.depth, state.pressure, *clearance, self._moment(state), strain))
+        sideways = SideLoad.of(self.contact, self.space, state, self.friction)
+        moment = self._moment(state)
+        self.rows.append((state.depth, state.pressure, *clearance, moment, strain, sideways))
         if number in self.course.frames:
             self.frames[number] = state.values
         force = float(self.contact.projected @ state.pressure)
@@ -205,9 +222,10 @@ class _Recorder:
 
     def _moment(self, state: State) -> Array:
         """Return the moment (3,) mN mm of the pressure about the origin."""
-        loads, count = self.contact.at(state).loads, self.places.size
+        places = self.space.node_points
+        loads, count = self.contact.at(state).loads, places.size
         forces = (loads @ state.pressure)[:count].reshape(-1, 3)
-        arms = self.places + state.values[:count].reshape(-1, 3)
+        arms = places + state.values[:count].reshape(-1, 3)
         return np.asarray(np.cross(arms, forces).sum(axis=0))
 
 
@@ -235,7 +253,9 @@ def follow_course(
     Errors as `solve`.
     """
     body = press.body
-    reach = SPREAD * problem.REACH * press.expected_depth
+    reach, under = SPREAD * problem.REACH * press.expected_depth, None
+    if press.motion.slides and not press.obstacle.profile.plane:
+        under = envelope(press.obstacle, press.motion.shift(press.time))
     for _ in range(problem.ATTEMPTS):
         contact = contact_surface(
             body.space,
@@ -244,12 +264,14 @@ def follow_course(
             press.obstacle,
             reach,
             spreads=elements.nearly_incompressible,
+            half=body.half,
+            under=under,
         )
         contact = replace(contact, surface=object_surface(press.indenter, body, contact))
         mesh_limits.check_under(press.motion, press.obstacle, body, contact.on.beyond)
         history = _on_candidates(press, elements, contact, course, stages)
         pressed = np.asarray((history.pressure > 0).any(axis=0))
-        _check_contact(body, contact, history)
+        _check_contact(press, contact, history)
         if not (pressed & contact.on.border).any():
             return history
         reach *= problem.GROW
@@ -266,12 +288,18 @@ def _on_candidates(
     """Solve the steps on some candidates, as far as the contact stays off their rim."""
     body, halt = press.body, ""
     probe = recovered_gradient_at(body.space, press.site_points, body.planes)
-    equilibrium = Equilibrium(elements, contact, press.system, PRESS_EQUILIBRIUM)
-    recorder = _Recorder(body, contact, probe, course)
+    mu = press.indenter.friction, press.indenter.kinetic
+    friction = FrictionHistory(contact, mu) if mu[0] else None
+    equilibrium = Equilibrium(
+        elements, contact, press.system, PRESS_EQUILIBRIUM, frictional=friction is not None
+    )
+    recorder = _Recorder(body, contact, probe, course, friction)
     with stages.stage("steps") as report:
         try:
             driven = course.stress(), course.path
-            load_path.follow(equilibrium, *driven, recorder.keep, report, course.allowance)
+            load_path.follow(
+                equilibrium, *driven, recorder.keep, report, course.allowance, friction
+            )
         except _EndedError:
             pass  # at a rim: seen again by the caller
         except ConvergenceError as error:
@@ -281,7 +309,7 @@ def _on_candidates(
     return FiniteStrainHistory(
         contact=contact,
         steps=course.steps.until(len(recorder.rows)),
-        **dict(zip(RECORDED, map(np.array, zip(*recorder.rows, strict=True)), strict=True)),
+        **dict(zip(RECORDED, map(_column, zip(*recorder.rows, strict=True)), strict=True)),
         frames=recorder.frames,
         reference=None,
         iterations=equilibrium.iterations,
@@ -291,13 +319,20 @@ def _on_candidates(
     )
 
 
-def _check_contact(body: Solid, contact: ContactSurface, history: FiniteStrainHistory) -> None:
+def _column(values: tuple[Any, ...]) -> Any:
+    """Return one quantity at all steps."""
+    return SideLoad.stacked(values) if isinstance(values[0], SideLoad) else np.array(values)
+
+
+def _check_contact(press: Press, contact: ContactSurface, history: FiniteStrainHistory) -> None:
+    body = press.body
     bearing, on, deepest = history.pressure > 0, contact.on, float(history.depth.max())
     pressed = np.asarray(bearing.any(axis=0))
     placement.check_inside(body, on.vertices[pressed], deepest)
     if not pressed.any():
         raise InputError(mesh_limits.untouched(contact.obstacle, body, deepest))
     places = contact.at_rest[: len(contact)] + history.moved[:, : len(contact)]
+    places = places - press.places(history.steps.times)[:, None]
     ended = (bearing & contact.obstacle.beyond(places)).any()
     if ended or (pressed & on.obstacle_border).any():
         raise InputError(

@@ -17,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from fefinger.scene.finger import Finger
+from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral
@@ -27,6 +28,9 @@ Curve = Callable[[Array], Array]
 BY_DISTANCE = 8  # steps to the peak of the motion, of equal distances
 BY_TIME = 16  # more of them, of equal times: tissue relaxes in slow corners and at turns
 SPRING_ERROR = 5e-3  # of the peak, by which a spring may be wrong between its steps
+ONSET = 1.5  # path to gross slip over friction and depth, of incompressible bodies (Mindlin)
+STRIDE = 0.25  # mm between steps, where an object that is no plate slides
+PER_FEATURE = 4  # steps over its narrowest part
 STILL = 1e-9  # path against the peak that counts as none
 
 
@@ -96,16 +100,25 @@ def load_steps(
     refine: int = 1,
     *,
     friction: float = 0.0,
+    depth: float = np.inf,
+    stride: float = np.inf,
 ) -> LoadSteps:
     """Choose steps of nearly equal distances, divided by `refine`, and growing ones at rest.
 
-    A coefficient of `friction` that sets in or turns round counts as that part of a press.
+    Along a path, a coefficient of `friction` that builds up or turns round counts as that part of a
+    press to `depth` mm, and every `stride` mm takes a step.
 
     More of them where a spring that stiffens, and relaxes by any of the `relaxations` of the
     tissues, would be wrong by more than SPRING_ERROR of its peak: where a motion changes its speed,
     above all.
     """
-    steps = _even(motion, time, refine, friction)
+    along = np.zeros(len(time) - 1)
+    if motion.slides:
+        path = motion.shift(time)
+        along = np.linalg.norm(np.diff(path, axis=0), axis=1) / stride / (BY_DISTANCE + BY_TIME)
+        if friction > 0:
+            along += friction * _built_up(path / (ONSET * friction * depth))
+    steps = _even(motion, time, refine, along)
     for prony in relaxations:
         exact = _spring(prony, motion, time, steps.path)
         limit = SPRING_ERROR / refine**2 * np.abs(exact).max(axis=0)
@@ -133,23 +146,42 @@ def tissue_relaxations(finger: Finger) -> frozenset[Prony]:
     return frozenset(layer.prony or finger.prony for layer in layers)
 
 
-def _even(motion: Motion, time: Array, refine: int, friction: float) -> LoadSteps:
+def stride_of(indenter: Indenter) -> float:
+    """Return the distance in mm between steps on a path of an object, by its narrowest part."""
+    if indenter.flat is not None:
+        return float("inf")
+    return min(STRIDE, indenter.feature / PER_FEATURE)
+
+
+def _built_up(path: Array) -> Array:
+    """Return by how much (n_t - 1,) friction changes along a path (n_t, 2), 1 being its largest.
+
+    As where a spring that the path draws slips the more the nearer it is to its bound; the path is
+    over the length within which it comes near.
+    """
+    drawn, changes = np.zeros(2), []
+    for moved in np.diff(path, axis=0):
+        far = float(np.hypot(*moved))
+        changed = (moved / far - drawn) * -np.expm1(-far) if far > 0 else moved
+        drawn = drawn + changed
+        changes.append(float(np.hypot(*changed)))
+    return np.array(changes)
+
+
+def _even(motion: Motion, time: Array, refine: int, along: Array) -> LoadSteps:
     """Choose steps by the distance and the time of every piece that rises, falls or rests.
 
     Even distances alone make the last step of a rounded ramp so long that its relaxation is 2 % of
     the peak force; two thirds of the steps are therefore even in time. The coordinate counts both
     alike: in the distance alone, relaxation in a slow corner is a root, and splines miss it by 1 %
-    of the peak.
+    of the peak. along (n_t - 1,): what the path counts as, beside the peak.
     """
     path = np.asarray(motion.value(time), dtype=np.float64)
-    rises, turns = np.diff(path), np.zeros(len(time) - 1)
-    if friction > 0:
-        turns = friction * np.linalg.norm(np.diff(motion.heading(time), axis=0), axis=1)
-    turns[turns <= STILL] = 0.0
-    still = (np.abs(rises) <= STILL * motion.peak) & (turns == 0)
-    kind = np.where(still, 0, np.sign(rises) + 3 * (turns > 0)).astype(int)
+    rises, along = np.diff(path), np.where(along > STILL, along, 0.0)
+    still = (np.abs(rises) <= STILL * motion.peak) & (along == 0)
+    kind = np.where(still, 0, np.sign(rises) + 3 * (along > 0)).astype(int)
     seams = np.concatenate([[0], np.flatnonzero(np.diff(kind)) + 1, [len(time) - 1]])
-    distance = np.concatenate([[0.0], np.cumsum(np.abs(rises) + turns * motion.peak)])
+    distance = np.concatenate([[0.0], np.cumsum(np.abs(rises) + along * motion.peak)])
     coordinate = np.zeros_like(time)
     chosen = [np.zeros(1, dtype=np.int64)]
     rest = 0.5  # a step of a rest, against the time that it has lasted

@@ -164,20 +164,18 @@ def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reaso
             f"motion.kind = {motion.kind!r}: its plate does not turn, as by motion.angle or tilt"
         )
         yield Reason("motion.angle", reason)
+    if motion.slides:
+        yield from soft_reasons(indenter)
+
+
+def plate_alone_slides(motion: Motion, indenter: Indenter) -> Iterator[Reason]:
+    """Yield the sliding of an object whose surface moves with it."""
     if motion.slides and indenter.flat is None:
         reason = (
             f"motion.kind = {motion.kind!r}, indenter.kind = {indenter.kind!r}: a smooth plate "
-            "alone slides at finite strain"
+            "alone slides with this mechanics"
         )
         yield Reason("motion.kind", reason)
-    if motion.slides:
-        yield from soft_reasons(indenter)
-    if indenter.friction > 0 and not motion.along_line:
-        reason = (
-            f"indenter.friction = {indenter.friction:g} > 0, motion.kind = {motion.kind!r}: its "
-            "friction is that of a plate that slides along a line; stick is left out"
-        )
-        yield Reason("indenter.friction", reason)
 
 
 def turning_reasons(motion: Motion, indenter: Indenter) -> tuple[Reason, ...]:

@@ -19,10 +19,12 @@ from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.assembly import Elastic
+from fefinger.fem.hyperelastic.friction_history import SideLoad
 from fefinger.fem.hyperelastic.load_path import Series
 from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh
+from fefinger.geometry.profiles import frame
 from fefinger.laws import LAWS
 from fefinger.mechanics.press import mesh_limits, placement
 from fefinger.mechanics.press.load_steps import LoadSteps
@@ -180,6 +182,10 @@ class Press:
         """Return tensors (..., n, 3, 3) at the sites, given those at `site_points`."""
         return self.body.unfolded(strain, self.sites.points) if self.sites else strain
 
+    def places(self, time: Array | float) -> Array:
+        """Return the places (..., 3) mm of the indenter across its axis, at times (...,) in s."""
+        return np.asarray(self.motion.shift(time) @ frame(self.obstacle.axis)[:2])
+
     @property
     def tangential(self) -> bool:
         """Whether the indenter moves sideways or has friction, so that it may push sideways."""
@@ -266,9 +272,9 @@ class FiniteStrainHistory:
     contact: the candidates and their gaps; steps: the n load steps that were solved, among the
     times of the answer; depth (n,) mm; pressure kPa (n, n_candidates); gap and moved mm (n,
     n_seen), the latter in three components; moment (n, 3) mN mm of the meshed part; strain (n,
-    n_sites, 3, 3); frames: whole states by number of the step; reference: the press that scales
-    strain for the afferents; iterations, descents, factors: the work; halt: why it ended before the
-    motion, or nothing.
+    n_sites, 3, 3); sideways: what the object pulls across its axis at the n steps; frames: whole
+    states by number of the step; reference: the press that scales strain for the afferents;
+    iterations, descents, factors: the work; halt: why it ended before the motion, or nothing.
     """
 
     contact: ContactSurface
@@ -279,6 +285,7 @@ class FiniteStrainHistory:
     moved: Array
     moment: Array
     strain: Array
+    sideways: SideLoad
     frames: dict[int, Array]
     reference: Reference | None
     iterations: int

@@ -16,7 +16,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
 from fefinger.geometry import mirror
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh, inside_weights
-from fefinger.mechanics.press import dragged, moving_contact
+from fefinger.mechanics.press import finite_sliding, moving_contact
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
 from fefinger.mechanics.press.problem import (
     FiniteStrainHistory,
@@ -187,7 +187,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         fields = _kept_fields(press, history) if press.fields else None
     with stages.stage("pressure"):
         steps, seen = history.steps, history.contact.neighborhood
-        pressure, force = _between_steps(press, history)
+        pressure, force, scale = _between_steps(press, history)
         pad, column = whole_pad(press.body, seen)
         quantities = {}
         if press.pressure:
@@ -204,7 +204,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         strain = press.unfolded(steps.smooth(history.strain)) if press.sites else None
         lateral = None
         if press.tangential:
-            lateral = dragged.lateral(press, history, pressure, force, column)
+            lateral = finite_sliding.lateral(press, history, pressure, scale, column)
     penetration = deepest_penetration(history.gap)
     work = {
         "steps": len(history.depth),
@@ -216,7 +216,7 @@ def finite_strain_response(press: Press, history: FiniteStrainHistory, stages: S
         stages,
         len(history.contact),
         penetration,
-        notes=dragged.notes(press),
+        notes=finite_sliding.notes(press),
         numbers=work,
         time=steps.time,
         depth=depth,
@@ -314,14 +314,19 @@ def _kept_fields(press: Press, history: FiniteStrainHistory) -> Fields:
     return finite_strain_fields(press, history.steps.times[kept], states, vertices, pressure)
 
 
-def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array]:
-    """Return the pressure (n_t, n_candidates) kPa and the force (n_t,) N at all times."""
+def _between_steps(press: Press, history: FiniteStrainHistory) -> tuple[Array, Array, Array]:
+    """Return the pressure (n_t, n_candidates) kPa and the force (n_t,) N at all times.
+
+    Under force control both are scaled to the prescribed force; the last (n_t,) is the factor.
+    """
     pressure = history.steps.bounded(history.pressure)
-    force = press.body.sides * pressure @ history.contact.projected * NEWTON_PER_MILLINEWTON
+    axial = history.steps.bounded(history.sideways.axial)
+    force = press.body.sides * (pressure @ history.contact.projected + axial)
+    force *= NEWTON_PER_MILLINEWTON
+    ratio = np.ones_like(force)
     if press.motion.by_force:  # that is prescribed between the steps as well
-        ratio = np.divide(history.steps.path, force, out=np.ones_like(force), where=force > 0)
-        pressure, force = pressure * ratio[:, None], force * ratio
-    return pressure, force
+        np.divide(history.steps.path, force, out=ratio, where=force > 0)
+    return pressure * ratio[:, None], force * ratio, ratio
 
 
 def areas_of_steps(press: Press, history: FiniteStrainHistory, pad: Pad, column: Integers) -> Array:
@@ -331,9 +336,9 @@ def areas_of_steps(press: Press, history: FiniteStrainHistory, pad: Pad, column:
     sign = np.ones((len(column), 3))
     sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
     pressed = on_neighborhood(history.pressure, seen)[:, column] > 0
-    areas = np.empty(len(history.depth))
+    areas, places = np.empty(len(history.depth)), press.places(history.steps.times)
     for step, moved in enumerate(history.moved):
-        points = pad.points + sign * moved[column]
+        points = pad.points + sign * moved[column] - places[step]
         surface = CandidateSurface(points, pad.triangles, obstacle.axis, edges)
         areas[step] = surface.area(pressed[step][None], history.gap[step][column][None])[0]
     return areas

@@ -16,7 +16,7 @@ import numpy as np
 from fefinger.fem.body import solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.elements.probe import recovered_gradient_at
-from fefinger.mechanics.press import dragged, elastic_press, response
+from fefinger.mechanics.press import elastic_press, finite_sliding, response
 from fefinger.mechanics.press.depth_table import DepthTable
 from fefinger.mechanics.press.elastic_press import FARTHEST
 from fefinger.mechanics.press.placement import on_neighborhood, whole_pad
@@ -201,7 +201,7 @@ def tabulated_response(
         stages,
         len(tabulated.contact),
         penetration,
-        notes=dragged.notes(press),
+        notes=finite_sliding.notes(press),
         time=press.time,
         depth=history.depth,
         force=tabulated.forces(history),
@@ -212,7 +212,7 @@ def tabulated_response(
             f"Solved: an elastic press of {len(table.depth) - 1} depths up to {table.deepest:.3g} "
             f"mm, and its relaxation at {len(press.time)} times; {response.exactness(penetration)}."
         ),
-        lateral=dragged.smooth(press, press.time) if press.tangential else None,
+        lateral=finite_sliding.frictionless_plate(press, press.time) if press.tangential else None,
         **quantities,
     )
 
