@@ -22,7 +22,8 @@ Where else to look:
 textures, ridges      of `layered`: `mechanics/press/layer_press.py`, solved on a grid in
                       `contact/grid_solver.py`
 friction              `mechanics/press/moving_contact.py` at small strain (in
-                      `contact/frictional.py`), `mechanics/press/dragged.py` at finite strain
+                      `contact/frictional.py`), `mechanics/press/finite_sliding.py` at finite
+                      strain (in `fem/hyperelastic/linearized_contact.py`)
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
                       stores it; its files are written by `depth_table.write`
 stated error          `plan._rung`: `error` of the mechanics, and the error of neglecting inertia

@@ -1,0 +1,31 @@
+"""
+Grip and slip
+=============
+
+A plate is pressed to 2 N, as in a grip, and pulled until it slips, at finite strain and on the
+subject's own tissue. The rim of the contact slips first. André et al. (J. R. Soc. Interface 8:1574,
+2011) saw the part of the contact that sticks fall about as a line with the pull (dotted); the dashed
+line is Mindlin's for a ball on an elastic half-space.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import fefinger as ff
+
+
+result = ff.run("grip-and-slip", {"ask.spikes": [], "ask.strain": False})
+lateral, pulling = result.lateral, result.time > result.scene.motion.recorded_from
+pull = -lateral.force[:, 0] / (0.8 * result.force)
+stuck = lateral.stick_area / result.contact_area
+print(lateral.outcome)
+
+fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
+q = np.linspace(0, 1, 50)
+left.plot(pull[pulling], stuck[pulling])
+left.plot(q, 1 - q, ls=":", color="0.5")
+left.plot(q, (1 - q) ** (2 / 3), ls="--", color="0.5")
+left.set(xlabel="pull over friction of the whole contact", ylabel="part of the area that sticks")
+right.plot(-lateral.shift[pulling, 0], result.contact_area[pulling])
+right.set(xlabel="path of the plate / mm", ylabel="contact area / mm²", ylim=(0, None))
+plt.show()
