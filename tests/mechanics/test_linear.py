@@ -134,7 +134,6 @@ def test_a_result_says_whether_the_spikes_survive_a_coarser_mesh() -> None:
 
 BAD = [
     ({"motion": ff.Ramp(60, 4.9)}, "tissue over the bone"),
-    ({"indenter": ff.Sphere(radius=5, at=(12.0, 0.0))}, "expected a place"),
     ({"ask": replace(ASK, depths={"FAII": 4.9})}, "expected a point in the soft tissue"),
 ]
 

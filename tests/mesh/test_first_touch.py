@@ -13,6 +13,7 @@ from fefinger.mesh.finger_shape import palm
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.store import load_or_build, mesh_problem
 from fefinger.scene.indenter import direction
+from fefinger.support.checks import InputError
 
 
 RECIPE = Recipe.of(ff.Finger.subject("a.h.", tissue="maeno1998"))
@@ -73,6 +74,13 @@ def test_an_object_beside_the_pad_touches_what_it_covers_of_it(pressed: ff.Inden
     first = skin[np.argmin(travel)]
     assert touch.first_touch[1] == pytest.approx(first[1], abs=0.6)
     assert touch.first_touch[1] * pressed.place[1] > 0
+
+
+def test_an_object_that_misses_the_pad_is_refused() -> None:
+    finger = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
+    body = solid(load_or_build(finger, half=True, touch=None), (1, 2))
+    with pytest.raises(InputError, match="expected a place on the pad, .* the indenter misses"):
+        placement.obstacle(ff.Sphere(5, at=(12, 0)), body)
 
 
 def test_a_place_is_so_near_the_pad_that_its_object_covers_a_part_of_it() -> None:
