@@ -256,7 +256,7 @@ REFUSED = [
         {"kind": "line", "start": [0, 0], "stop": [1, 1], "count": 1},
         "count: expected a whole number at least 2",
     ),
-    ({"kind": "places", "places": []}, r"places: expected a place .* or more, received none"),
+    ({"kind": "places", "places": []}, r"places: expected 1 to .* places .*, received none"),
     ({"kind": "places", "places": 3}, "places: expected a list"),
     ({"kind": "places", "places": [[1]]}, r"places\[0\]: expected a list of 2 numbers"),
     ({"radius": 40}, "ask.population.radius: .*at most 10"),
