@@ -3,9 +3,9 @@ Grip and slip
 =============
 
 A plate is pressed to 2 N, as in a grip, and pulled until it slips, at finite strain and on the
-subject's own tissue. The rim of the contact slips first. André et al. (J. R. Soc. Interface 8:1574,
-2011) saw the part of the contact that sticks fall about as a line with the pull (dotted); the dashed
-line is Mindlin's for a ball on an elastic half-space.
+subject's own tissue. The rim of the contact slips first. The part of the contact that sticks was
+seen to fall about as a line with the pull (dotted; André et al., J. R. Soc. Interface 8:1574,
+2011); the dashed line is Mindlin's for a ball on an elastic half-space.
 """
 
 import matplotlib.pyplot as plt
