@@ -14,18 +14,18 @@ import numpy as np
 import fefinger as ff
 
 
-result = ff.run("grip-and-slip", {"ask.spikes": [], "ask.strain": False})
+result = ff.run("grip-and-slip", changes={"ask.spikes": [], "ask.strain": False})
 lateral, pulling = result.lateral, result.time > result.scene.motion.recorded_from
-pull = -lateral.force[:, 0] / (0.8 * result.force)
-stuck = lateral.stick_area / result.contact_area
+area, force = result.contact_area[pulling], result.force[pulling]
+pull = -lateral.force[pulling, 0] / (0.8 * force)
 print(lateral.outcome)
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
 q = np.linspace(0, 1, 50)
-left.plot(pull[pulling], stuck[pulling])
+left.plot(pull, lateral.stick_area[pulling] / area)
 left.plot(q, 1 - q, ls=":", color="0.5")
 left.plot(q, (1 - q) ** (2 / 3), ls="--", color="0.5")
 left.set(xlabel="pull over friction of the whole contact", ylabel="part of the area that sticks")
-right.plot(-lateral.shift[pulling, 0], result.contact_area[pulling])
+right.plot(-lateral.shift[pulling, 0], area)
 right.set(xlabel="path of the plate / mm", ylabel="contact area / mm²", ylim=(0, None))
 plt.show()
