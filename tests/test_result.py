@@ -557,7 +557,8 @@ def test_a_file_is_small_where_little_happens_and_no_smaller_than_memory_is_guar
     file = tmp_path / "result.nc"
     data = netcdf.dataset(result)
     file.write_bytes(atomic_write.netcdf(data))
-    assert (size := file.stat().st_size) < 1.2 * 4 * pressure.size / 10 + 100_000
+    size = file.stat().st_size
+    assert size < 1.2 * 4 * pressure.size / 10 + 100_000
     assert load(file).pressure == pytest.approx(pressure, rel=1e-7)
     data["bomb"] = ("many", np.zeros(100 * size, np.float32))  # 400 times the file
     file.write_bytes(atomic_write.netcdf(data))

@@ -79,7 +79,7 @@ def test_an_object_beside_the_pad_touches_what_it_covers_of_it(pressed: ff.Inden
 def test_an_object_that_misses_the_pad_is_refused() -> None:
     finger = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
     body = solid(load_or_build(finger, half=True, touch=None), (1, 2))
-    with pytest.raises(InputError, match="expected a place on the pad, .* the indenter misses"):
+    with pytest.raises(InputError, match=r"expected a place on the pad, .* the indenter misses"):
         placement.obstacle(ff.Sphere(5, at=(12, 0)), body)
 
 
