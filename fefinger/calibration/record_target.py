@@ -282,10 +282,11 @@ class RecordTarget:
         return tuple(sentences)
 
     def _late(self, at_nodes: Array, values: Values) -> Array:
-        """Pass values (m,) or (m, k) at nodes through the lag and delay of the sensor."""
+        """Return averages (n,) or (n, k) of values at nodes behind lag and delay of the sensor."""
         rig, time = self.rig.at(values, self.press), self.trace.node_time
         seen = lagged(time, at_nodes, 1e-3 * rig["lag"])
-        return interpolated(self.trace.time - 1e-3 * rig["delay"], time, seen)
+        sampled = interpolated(self.trace.sampled - 1e-3 * rig["delay"], time, seen)
+        return self.trace.averaged(sampled)
 
     def _noise(self, law: ForceLaw, values: Values) -> Array:
         """Covariance (n, n) N² of the averages: noise of the force, and of the position."""
@@ -302,7 +303,8 @@ class RecordTarget:
         law = law.under(self.indenter)
         seen = self._late(law.loading(self.trace.node_time, self.depth(law, values)), values)
         both = np.multiply.outer(seen, seen)
-        apart = np.abs(np.subtract.outer(self.position, self.position))
+        pressed = self._late(self.trace.node_position, values)  # where the force is that is read
+        apart = np.abs(np.subtract.outer(pressed, pressed))
         since = self.trace.time - self.record.time[self.record.touch]
         at_touch = 1e-3  # time in s after touch from which its logarithm counts
         late = np.log(np.maximum(since, at_touch))

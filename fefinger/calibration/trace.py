@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fefinger.support.arrays import Array
+from fefinger.support.arrays import Array, Integers
 from fefinger.theory.lumped.ramp_hold import RampHold, group_starts
 
 
@@ -23,6 +23,14 @@ FEWEST = 5
 AT = 1e-6
 """Time in s from the corner to the nodes before and after it."""
 
+FADING, FINEST = 0.07, 2e-5
+"""Largest step between nodes after the corner, over the time since it, and one in s that is short
+enough: the fast relaxation of a force is then met within 3e-4 of it."""
+
+WHOLE = 32
+"""Samples of a group up to which its average is that of the model at all of them: a corner of the
+force, which a delay puts into a group, bends it there."""
+
 NEIGHBORS = (1, 3, 9, 27)  # distances that are summed: a path that is off may be so for long
 
 
@@ -36,7 +44,7 @@ class Trace:
 
     time s, force N, size: samples of a group; path (k,) mm: smoothed positions away from the
     corner, and spread (k, k) mm²: their covariance; node_time s; to_nodes (m, k): the path at the
-    nodes.
+    nodes; sampled s: times at which a force is taken for an average, from `begin` (n,) on.
     """
 
     time: Array
@@ -46,11 +54,19 @@ class Trace:
     spread: Array
     node_time: Array
     to_nodes: Array
+    sampled: Array
+    begin: Integers
 
     @property
     def node_position(self) -> Array:
         """The path (m,) mm at the nodes."""
         return np.asarray(self.to_nodes @ self.path)
+
+    def averaged(self, sampled: Array) -> Array:
+        """Return the averages (n,) or (n, l) of values (k,) or (k, l) at the sampled times."""
+        size = np.diff(np.append(self.begin, len(sampled))).astype(float)
+        sums = np.add.reduceat(sampled, self.begin)
+        return np.asarray(sums / size.reshape(-1, *[1] * (sampled.ndim - 1)))
 
     @cached_property
     def position(self) -> Array:
@@ -94,7 +110,19 @@ def trace(record: RampHold, force: Array, position_noise: float) -> Trace:
     path = smoother @ position[used]
     spread = (smoother * sd[used] ** 2) @ smoother.T
     node_time, to_nodes = _nodes(time[used], path, ends[2])
-    return Trace(time, force, size, path, spread, node_time, to_nodes)
+    sampled, begin = _sampled(record.time, starts, time)
+    return Trace(time, force, size, path, spread, node_time, to_nodes, sampled, begin)
+
+
+def _sampled(time: Array, starts: Integers, middle: Array) -> tuple[Array, Integers]:
+    """Return times of all samples of small groups and the middle of others, and where groups begin.
+
+    time (n_t,) s of samples; starts, middle (n,): first samples and mean times of groups.
+    """
+    groups = np.split(time, starts[1:])
+    kept = [each if len(each) <= WHOLE else middle[i : i + 1] for i, each in enumerate(groups)]
+    begin = np.cumsum([0, *map(len, kept[:-1])])
+    return np.concatenate(kept), begin
 
 
 def _begun(position: Array, noise: float) -> int:
@@ -167,11 +195,18 @@ def _nodes(time: Array, path: Array, corner: int) -> tuple[Array, Array]:
     knots, rows = time, np.eye(len(time))
     met = _corner(time, path, corner)
     if met is not None:
-        knots = np.concatenate([time[:corner], [met[0] - AT, met[0] + AT], time[corner:]])
-        rows = np.concatenate([rows[:corner], met[1], rows[corner:]])
+        at, ends = met
+        held = np.arange(len(time)) >= corner
+        before, after = ~held & (time < at - AT), held & (time > at + AT)
+        knots = np.concatenate([time[before], [at - AT, at + AT], time[after]])
+        rows = np.concatenate([rows[before], ends, rows[after]])
     # Largest step in mm of depth between nodes of the model: its force then bends by 1e-4.
-    step = 0.02
-    steps = np.maximum(np.ceil(np.abs(np.diff(rows @ path)) / step), 1).astype(int)
+    steps = np.abs(np.diff(rows @ path)) / 0.02
+    if met is not None:
+        since = np.maximum(knots[:-1] - met[0], 0)
+        fades = np.diff(knots) / np.maximum(FADING * since, FINEST)
+        steps = np.where(knots[:-1] > met[0], np.maximum(steps, fades), steps)
+    steps = np.maximum(np.ceil(steps), 1).astype(int)
     left = np.repeat(np.arange(len(steps)), steps)
     ahead = np.concatenate([np.arange(count) / count for count in steps.tolist()])
     left, ahead = np.append(left, len(steps) - 1), np.append(ahead, 1.0)
@@ -191,7 +226,8 @@ def _corner(time: Array, path: Array, corner: int) -> tuple[float, Array] | None
         return None
     speed = (path[last] - path[first]) / (time[last] - time[first])
     ahead = (path[corner] - path[last]) / speed if speed else 0.0
-    if not AT < ahead < time[corner] - time[last] - AT:
+    # Noise may have put the first of the hold before the corner.
+    if not AT < ahead < 2 * (time[corner] - time[last]):
         return None
     further = ahead / (time[last] - time[first])
     rows = np.zeros((2, len(time)))

@@ -147,3 +147,31 @@ def test_the_size_of_a_model_error_is_found_from_what_it_leaves(sizes):
     none = np.zeros(2)
     found = inverse.sizes(data, line, none, none, base, kernels, (1e-3, 1e-3))
     np.testing.assert_allclose(np.log(found), np.log(sizes), atol=0.3)  # 1 / sqrt(2 x 10)
+
+
+PRESSES = {
+    "relaxes within samples": (800.0, 2e3, 0.76, 66.0),
+    "corner within an average": (200.0, 1e4, -2.03, 10.0),
+}
+"""Fastest rate 1/s, samples per s, delay ms and speed mm/s."""
+
+
+@pytest.mark.parametrize(("v1", "rate", "delay", "speed"), PRESSES.values(), ids=PRESSES)
+def test_a_model_of_the_truth_meets_the_averages_without_noise(law, v1, rate, delay, speed):
+    true = ForceLaw(law.at(2.4, 14.0), Prony((0.3, 0.42, 0.16, 0.12), (v1, 9.0, 0.6)), 0.7)
+    touch, corner = 0.1, 0.1 + 1.4 / speed
+    fine = np.union1d(np.linspace(touch, corner, 4000), corner + np.geomspace(1e-6, 1.0, 4000))
+    force = true.loading(fine, speed * np.minimum(fine - touch, corner - touch))
+    time = np.arange(0.0, 1.0, 1 / rate)
+    seen = np.interp(time - 1e-3 * delay, np.append(0.0, fine), np.append(0.0, force))
+    path = np.clip(speed * (time - touch) + 1.5, 0.0, 2.9)
+    target = record_file.made("twin", time, path, seen, "coarse", Rig(delay=(delay, 0.0)))
+    off = np.abs(target.model(true, {"x0": 1.5}) - target.force)
+    assert off.max() < 1e-3 * force.max()
+
+
+def test_a_corner_is_found_where_noise_puts_the_first_of_a_hold_before_it():
+    time = np.concatenate([np.linspace(0.0, 0.9, 10), [0.97, 1.07, 1.2, 1.4]])
+    path = np.append(time[:10], np.ones(4))
+    at, to_nodes = trace._nodes(time, path, 10)
+    np.testing.assert_allclose(to_nodes @ path, np.minimum(at, 1.0), atol=1e-5)
