@@ -206,10 +206,10 @@ def _nodes(time: Array, path: Array, corner: int) -> tuple[Array, Array]:
         since = np.maximum(knots[:-1] - met[0], 0)
         fades = np.diff(knots) / np.maximum(FADING * since, FINEST)
         steps = np.where(knots[:-1] > met[0], np.maximum(steps, fades), steps)
-    steps = np.maximum(np.ceil(steps), 1).astype(int)
-    left = np.repeat(np.arange(len(steps)), steps)
-    ahead = np.concatenate([np.arange(count) / count for count in steps.tolist()])
-    left, ahead = np.append(left, len(steps) - 1), np.append(ahead, 1.0)
+    counts = np.maximum(np.ceil(steps), 1).astype(int)
+    left = np.repeat(np.arange(len(counts)), counts)
+    ahead = np.concatenate([np.arange(count) / count for count in counts.tolist()])
+    left, ahead = np.append(left, len(counts) - 1), np.append(ahead, 1.0)
     ahead_of = ahead[:, None]
     to_nodes = (1 - ahead_of) * rows[left] + ahead_of * rows[left + 1]
     return (1 - ahead) * knots[left] + ahead * knots[left + 1], to_nodes
