@@ -102,6 +102,16 @@ def test_the_scatter_of_a_line_is_that_of_many_lines():
     assert found == pytest.approx(tuple(np.std(lines, axis=0)), rel=0.05)
 
 
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_a_finger_bears_the_force_of_its_subject_once_touch_is_not_that_of_an_exponential(subject):
+    before, force_off, stiffness = subjects.touched(subject)
+    assert -0.02 < before < 0.25
+    assert force_off < 0.02
+    assert abs(stiffness - 1) < 0.15 or subject == "p.w."
+    wanted = target_of(subject)
+    assert wanted.stiffness_sd > 0.7 * wanted.spring.stiffness(0.05)  # what the source leaves
+
+
 def test_the_steps_to_a_round_tip_end_at_the_shipped_finger():
     last = [each for _, each in tip_shape.steps()][-1]
     shipped = Finger.subject("a.h.")

@@ -157,6 +157,28 @@ def radius_again(subject: str) -> Noted:
     return Noted(calibration.residuals["array radius"] * new / old, note)
 
 
+def touched(subject: str) -> tuple[float, float, float]:
+    """Return how far in mm before x0 of Table 2.1 the finger is touched, for equal forces.
+
+    Also the largest error of its elastic force at 1 and 2 mm then, and the ratio of its stiffness
+    at 0.05 N. x0 is where the printed exponential begins, with the stiffness b; a round finger
+    begins with none, before it. Its position is not printed, and Table 2.1 not its true touch.
+    """
+    from scipy.optimize import minimize_scalar
+
+    law, wanted = calibrated(subject).law, target_of(subject)
+    depths = np.array([1.0, min(2.0, float(wanted.spring.position(wanted.force[-1])))])
+
+    def off(before: float) -> Array:
+        ours = law.relaxed(depths + before) / law.prony.long_time
+        return np.asarray(np.log(ours / wanted.spring.force(depths)))
+
+    found = minimize_scalar(lambda each: float(off(each) @ off(each)), bounds=(-0.3, 0.5))
+    first = np.array([0.05])
+    stiff = law.stiffness(first) / wanted.spring.stiffness(first)
+    return float(found.x), float(np.abs(np.expm1(off(found.x))).max()), float(stiff[0])
+
+
 def line_sd(wanted: SubjectTarget) -> tuple[float, float]:
     """Return the standard deviations of m in 1/mm and b in N/mm that VAF_k leaves."""
     line = np.column_stack([wanted.force, np.ones_like(wanted.force)])
