@@ -7,10 +7,12 @@ them are a header. Of MATLAB and HDF5 files the columns are the series of the mo
 import io
 import re
 import warnings
+import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -278,6 +280,12 @@ def _matlab(field: str, path: Path) -> Mapping[str, Any]:
 
     if path.read_bytes()[:128].startswith(b"MATLAB 7.3") or _is_hdf5(path):
         return _hdf5(field, path)
+    most = 2.5e8  # bytes: four million rows of seven numbers
+    if _unpacked(path.read_bytes(), most) > most:
+        raise InputError(
+            f"{field}: expected a MATLAB file with at most {most / 1e6:g} MB of values, received "
+            "more, packed; cut out the part that matters"
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of objects that are no numbers
@@ -285,6 +293,25 @@ def _matlab(field: str, path: Path) -> Mapping[str, Any]:
     except Exception as error:  # of any class, by what the bytes are
         raise InputError(f"{field}: expected a MATLAB file, received another: {error}") from None
     return {name: value for name, value in _flat(stored) if not name.startswith("__")}
+
+
+def _unpacked(content: bytes, most: float) -> int:
+    """Count the bytes of the packed variables of a MATLAB file when they are unpacked, up to most.
+
+    The library would unpack whatever the file says, a thousand times its size.
+    """
+    order: Literal["little", "big"] = "little" if content[126:128] == b"IM" else "big"
+    at, size = 128, 0
+    while at + 8 <= len(content):
+        kind, length = (int.from_bytes(content[at + i : at + i + 4], order) for i in (0, 4))
+        left = content[at + 8 : at + 8 + length] if kind == 15 else b""  # 15: packed
+        unpacker = zlib.decompressobj()
+        with suppress(zlib.error):  # which the library reports
+            while left and size <= most:
+                size += len(unpacker.decompress(left, 1 << 20))
+                left = unpacker.unconsumed_tail
+        at += 8 + length
+    return size
 
 
 def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

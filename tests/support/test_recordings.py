@@ -1,6 +1,7 @@
 """Records as rigs write them: one press in many files, and the sentences on what cannot be told."""
 
 import io
+import zlib
 
 import h5py
 import numpy as np
@@ -208,6 +209,20 @@ def test_a_unit_that_is_no_text_is_none(tmp_path, unit, size):
         out["force"].attrs["units"] = unit
         out.create_dataset("nothing", data=h5py.Empty("f8"))
     np.testing.assert_allclose(recording_files.read("a", file).pick(WANTED), PRESS * [1, 1, size])
+
+
+def test_a_small_matlab_file_that_unpacks_to_gigabytes_is_refused_unread(tmp_path, monkeypatch):
+    """It holds a stream of zeros; the library is not asked."""
+    monkeypatch.setattr("scipy.io.loadmat", None)
+    packer = zlib.compressobj(1)
+    packed = b"".join(packer.compress(bytes(10**7)) for _ in range(26)) + packer.flush()
+    element = (15).to_bytes(4, "little") + len(packed).to_bytes(4, "little") + packed
+    small = (15).to_bytes(4, "little") + (0).to_bytes(4, "little")
+    file = tmp_path / "a.mat"
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+    file.write_bytes(head + small + element)
+    with pytest.raises(InputError, match="a: expected a MATLAB file with at most 250 MB"):
+        recording_files.read("a", file)
 
 
 @pytest.mark.parametrize("shape", [(10**6, 10**6), (5 * 10**6,)], ids=["square", "long"])
