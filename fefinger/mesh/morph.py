@@ -58,7 +58,7 @@ def draft(template: FingerMesh, source: Shape, target: Shape, touch: Touch = Non
     """
     facets = _facets(template)
     constraints = smooth.supports(target, len(template.points), facets)
-    moves = _surface_moves(template, source, target, facets, constraints, touch)
+    moves = _surface_moves(template, source, target, constraints, touch)
     held = ~constraints.free | (constraints.surface >= 0)[:, None]
     points = template.points + extension(template.points, template.cells, moves, held)
     poor = np.sum(smooth.sines(points[template.cells]).min(axis=1) < _wanted(template))
@@ -155,7 +155,6 @@ def _surface_moves(
     template: FingerMesh,
     source: Shape,
     target: Shape,
-    facets: dict[str, Integers],
     constraints: smooth.Supports,
     touch: Touch,
 ) -> Array:
