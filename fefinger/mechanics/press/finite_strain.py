@@ -52,6 +52,8 @@ WORTH = 4  # steps that are worth keeping when a run has to stop
 # Factors that a press may take: of each step, and of all steps beyond that. Ordinary presses take
 # less than ten in all; one against the bone can take a hundred for a single step.
 BUDGET = load_path.FactorizationBudget(usual=8, spare=40)
+# Sharp parts that slide over the skin take more in many steps.
+SLIDING_BUDGET = replace(BUDGET, spare=400)
 SPREAD = 2.0  # of the candidates at finite strain, beyond those at small: a pad flattens
 
 RECORDED = ("depth", "pressure", "gap", "moved", "moment", "strain", "sideways")
@@ -108,7 +110,7 @@ def respond(
 ) -> Response:
     """Solve the scene; `refine` divides every load step.
 
-    allowance: limit on tangent factorizations, by default BUDGET.
+    allowance: limit on tangent factorizations, by default BUDGET, or SLIDING_BUDGET with a path.
 
     Raises InputError if the indenter does not touch the pad, or goes deeper than the tissue or the
     pad allows; Stopped if an equilibrium is not reached, or takes more than the allowance; it holds
@@ -116,7 +118,8 @@ def respond(
     """
     stages = Stages(progress)
     press = Press.of(scene, FINITE_STRAIN, stages, mechanics=mechanics, notes=notes)
-    history = solve(press, stages, refine=refine, allowance=allowance or BUDGET)
+    allowance = allowance or (SLIDING_BUDGET if scene.motion.slides else BUDGET)
+    history = solve(press, stages, refine=refine, allowance=allowance)
     response = finite_strain_response(press, history, stages)
     if history.halt:
         raise Stopped(history.halt, response)
