@@ -394,7 +394,15 @@ def test_the_help_loads_the_commands_and_little_else():
     commands = {f"fefinger.commands.{file.stem}" for file in files}
     support = {
         f"fefinger.support.{name}"
-        for name in ("atomic_write", "checks", "compiled", "interrupt", "text")
+        for name in (
+            "atomic_write",
+            "checks",
+            "compiled",
+            "interrupt",
+            "processes",
+            "registry",
+            "text",
+        )
     }
     rooms = {"fefinger", "fefinger.__main__", "fefinger.commands", "fefinger.support"}
     package = {name for name in loaded if name.partition(".")[0] == "fefinger"}

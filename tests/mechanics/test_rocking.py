@@ -105,7 +105,7 @@ def test_angles_are_read_from_a_file_after_the_other_columns(tmp_path: Path):
     assert ff.Scene.from_toml(scene.to_toml()) == scene
     file.write_text("time,x,y,depth,tilt\n0,0,0,0,0\n1,1,0,0.5,4\n")
     assert ff.SampledPath.from_csv(file).angle is None
-    file.write_text("time,x,y,depth,yaw\n0,0,0,0,0\n1,1,0,0.5,4\n")
+    file.write_text("time,x,y,depth,yaw\n0,0,0,0,4\n1,1,0,0.5,4\n")
     assert ff.SampledPath.from_csv(file).angle is None  # a column of another quantity
 
 
