@@ -23,13 +23,14 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from functools import cache, wraps
 from queue import SimpleQueue
-from typing import Any, ParamSpec, TypeVar, cast
-
-from threadpoolctl import ThreadpoolController
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, cast
 
 from fefinger.support import interrupt, registry
 from fefinger.support.checks import InputError
 
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 Item = TypeVar("Item")
 Value = TypeVar("Value")
@@ -275,9 +276,11 @@ def one_blas_thread() -> AbstractContextManager[object]:
 
 
 @cache
-def _libraries() -> ThreadpoolController:
+def _libraries() -> "ThreadpoolController":
     """Find the loaded BLAS: that takes some 4 ms, and a small factor less."""
+    # Imported here, so that the command line loads without them.
     import scipy.linalg  # noqa: F401 - has a BLAS of its own, found only once it is loaded
+    from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
 
