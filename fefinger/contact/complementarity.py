@@ -26,15 +26,13 @@ class Complementarity:
     """Solver of w = F lambda + b >= 0, lambda >= 0, lambda . w = 0 for many b and one F.
 
     Block principal pivoting (Júdice and Pires, Comput. Oper. Res. 21:587, 1994): finite for every
-    F whose principal minors are positive, symmetric or not. It starts from the last active set,
-    whose factor is reused. With `any_sign`, F may be indefinite, as for a body that would buckle
-    without the obstacle. Unless `symmetric`, as with friction, F is not.
+    F whose principal minors are positive. It starts from the last active set, whose factor is
+    reused. With `any_sign`, F may be indefinite, as for a body that would buckle without the
+    obstacle.
     """
 
-    def __init__(
-        self, flexibility: Array, *, any_sign: bool = False, symmetric: bool = True
-    ) -> None:
-        self.flexibility, self.any_sign, self.symmetric = flexibility, any_sign, symmetric
+    def __init__(self, flexibility: Array, *, any_sign: bool = False) -> None:
+        self.flexibility, self.any_sign = flexibility, any_sign
         self.active = np.zeros(len(flexibility), dtype=bool)
         self._factored: tuple[bytes, Integers, Callable[[Array], Array]] | None = None
 
@@ -81,8 +79,6 @@ class Complementarity:
 
     def _inverse(self, block: Array) -> Callable[[Array], Array]:
         """Factor a block of F; return the function that solves with it."""
-        if not self.symmetric:
-            return partial(lu_solve, lu_factor(block, check_finite=False), check_finite=False)
         try:
             return partial(cho_solve, cho_factor(block, check_finite=False), check_finite=False)
         except LinAlgError as error:

@@ -256,9 +256,7 @@ class ElasticSurface:
     def softened(self, solver: Complementarity, near: Flags, gain: float) -> Complementarity:
         """Return a solver with its flexibility beside the body's."""
         own = self.flexibility[np.ix_(near, near)] / gain
-        both = Complementarity(
-            solver.flexibility + own, any_sign=solver.any_sign, symmetric=solver.symmetric
-        )
+        both = Complementarity(solver.flexibility + own, any_sign=solver.any_sign)
         both.active = solver.active
         return both
 
