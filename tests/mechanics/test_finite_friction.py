@@ -141,6 +141,16 @@ def test_a_slide_to_the_other_side_is_the_mirror_image():
     assert one.lateral.force[-1, 1] == pytest.approx(MU * one.force[-1], rel=2e-3)
 
 
+def test_half_a_finger_answers_as_the_whole_one(monkeypatch: pytest.MonkeyPatch):
+    half = solid.respond(scene(distance=0.1))
+    monkeypatch.setattr(ff.Scene, "mirrored", False)
+    whole = solid.respond(scene(distance=0.1))
+    assert (half.numbers["half"], whole.numbers["half"]) == (1, 0)
+    for name in ("force", "lateral.force", "lateral.work"):
+        one, other = (attrgetter(name)(answer) for answer in (half, whole))
+        assert other == pytest.approx(one, abs=1e-5 * np.abs(one).max())
+
+
 def test_a_smooth_plate_that_slides_is_one_that_rests():
     still = replace(scene(mu=0.0), motion=ff.RampHold(20, 0.2, hold=0.1))
     slides, rests = solid.respond(scene(mu=0.0)), solid.respond(still)

@@ -1,7 +1,7 @@
 """Coulomb friction on a hyperelastic cube under a plate that slides, or a ball that does."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
 
@@ -249,6 +249,23 @@ def test_the_slip_of_skin_that_turns_about_the_middle_of_a_ball_is_its_path_alon
     turned = np.cross([0.1, -0.3, 0.2], places - middle)
     slip = np.einsum("nac,nc->na", along, turned) / length[:, None]
     assert np.hypot(*slip.T) == pytest.approx(np.linalg.norm(turned, axis=1))
+
+
+def test_skin_that_goes_with_a_ball_does_not_slip_and_skin_that_stays_behind_does():
+    body, solver = glued_cube(np.eye(3), Ellipsoid((2.0, 2.0, 2.0)), 0.4)
+    contact, count = solver.contact, body.space.n_displacements
+    rest = State(np.zeros(body.space.n_unknowns), np.zeros(len(contact)), 0.0)
+    along, across = 0.07, np.array([0.05, -0.03, 0.0])
+    values = rest.values.copy()
+    values[:count].reshape(-1, 3)[:] = across + along * contact.obstacle.axis
+    behind = replace(rest, depth=along, shift=across)
+    gone = replace(behind, values=values)
+    assert contact.slip(contact.at(gone), gone, rest) == pytest.approx(
+        np.zeros((2, len(contact))), abs=1e-12
+    )
+    deeper = replace(rest, depth=along)
+    left = contact.slip(contact.at(deeper), deeper, rest)
+    assert np.abs(left).max() > 0.1 * along * contact.projected.min()
 
 
 def test_a_coefficient_without_a_solution_ends_in_an_error():
