@@ -15,7 +15,7 @@ from fefinger.mechanics.evidence.presses import EVIDENCE, read
 from fefinger.mechanics.situation import Situation
 
 
-REPORTS = Path(presses.__file__).parents[3] / "reports"
+REPORTS = Path(__file__).resolve().parents[3] / "reports"
 
 
 @pytest.fixture(scope="module")
