@@ -153,7 +153,9 @@ def test_files_that_no_study_wrote_are_moved_and_not_overwritten(tmp_path):
     assert (tmp_path / "table.csv").read_text() != "mine"
 
 
-def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys):
+def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys, monkeypatch):
+    # What is installed has no repository, and an empty commit is left out of the page.
+    monkeypatch.setattr(machine, "commit", lambda: "abc1234")
     assert main([*COMMAND, "--at", "0.2mm", "-o", str(tmp_path)]) == 0
     capsys.readouterr()
     record = json.loads((tmp_path / "study.json").read_text())
