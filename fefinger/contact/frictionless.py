@@ -224,12 +224,7 @@ class FrictionlessContact(Stepper):
 
     def energy(self) -> tuple[float, float]:
         """Return the stored energy in µJ and the dissipated power in µW, both without t(u)."""
-        m, flexibility = self.history, self.flexibility
-        stored, lost = m.elastic @ flexibility @ m.elastic / 2, 0.0
-        for weight, rate, term in zip(m.weights, m.rates, m.terms, strict=True):
-            held = float(term @ flexibility @ term / weight)
-            stored, lost = stored + held / 2, lost + rate * held
-        return float(stored), lost
+        return energy(self.history, self.flexibility)
 
     def push(self) -> Array:
         """Return the force (2,) mN of the pressure on inclined heights, across the axis."""
@@ -239,6 +234,15 @@ class FrictionlessContact(Stepper):
         """Return the present values that a history holds, by their names."""
         slopes = {} if isinstance(self.gap, np.ndarray) else {"slopes": self.push()}
         return super().record() | slopes
+
+
+def energy(m: PronyHistory, flexibility: Array) -> tuple[float, float]:
+    """Return the stored energy in µJ and the dissipated power in µW of a body that relaxes."""
+    stored, lost = m.elastic @ flexibility @ m.elastic / 2, 0.0
+    for weight, rate, term in zip(m.weights, m.rates, m.terms, strict=True):
+        held = float(term @ flexibility @ term / weight)
+        stored, lost = stored + held / 2, lost + rate * held
+    return float(stored), lost
 
 
 def gaps_at(

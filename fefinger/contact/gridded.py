@@ -87,7 +87,7 @@ class GridStepper(Stepper):
         far = 1e3  # mm, the gap where the object has ended
         free = np.where(ended, far, here).ravel()
         g = self._begin(dt, target)
-        self._offset[:n] = g * free - self.history.moved_past[:n]
+        self._offset[:n] = g * free - self._past(g)[:n]
         outcome = self._balance(g, target)
         if outcome != DONE:
             return outcome
@@ -99,6 +99,10 @@ class GridStepper(Stepper):
     def _begin(self, dt: float, target: Target) -> float:
         """Load the history of a step; return the stiffness g over that of the relaxed body."""
         return load_history(self.history, dt)
+
+    def _past(self, g: float) -> Array:
+        """Return what the past moves, times the stiffness g of the step."""
+        return self.history.moved_past
 
     def _finish(self, dt: float, g: float) -> None:
         """Add a step that is solved to the history."""
@@ -134,11 +138,7 @@ class GridStepper(Stepper):
 
     def energy(self) -> float:
         """Return the stored energy in µJ."""
-        m = self.history
-        stored = float(m.elastic @ m.moved_elastic)
-        for weight, term in zip(m.weights, m.terms, strict=True):
-            stored += float(term @ self.displacement(term)) / weight if weight > 0.0 else 0.0
-        return stored * self.area / 2
+        return stored_energy(self.history, self.displacement) * self.area
 
     def record(self) -> Record:
         """Return the present values that a history holds, by their names."""
@@ -178,38 +178,65 @@ class GridContact(GridStepper):
 
 
 class SoftGridContact(GridContact):
-    """Frictionless contact of a body on a periodic grid with an elastic object.
+    """Frictionless contact of a body on a periodic grid with a soft object.
 
-    The object gives way by C p at once, as in `soft.py`: the step has the compliance F + g C, and
-    the history, which is of the body alone, needs F p.
+    The object gives way as in `soft.py`: the step has the compliance F + g C / k.
 
-    own: C (n_x, n_y // 2 + 1) mm/kPa of every wave; the rest as of `GridContact`.
+    soft: C (n_x, n_y // 2 + 1) mm/kPa of every wave, and the object's Prony terms; the rest as of
+    `GridContact`.
     """
 
-    def __init__(self, own: Array, *parts: *GridParts, tolerance: float = CLOSED) -> None:
+    def __init__(
+        self,
+        soft: tuple[Array, tuple[Array, Array]],
+        *parts: *GridParts,
+        tolerance: float = CLOSED,
+    ) -> None:
         super().__init__(*parts, tolerance=tolerance)
-        self.own, self.compliance, self._gain = np.array(own), self.on_grid.compliance, 0.0
+        own, branches = soft
+        self.own, self.compliance = np.array(own), self.on_grid.compliance
+        self.object_history = prony_history(branches, len(self.pressure))
+        self._state += self.object_history.state
+        self._yields, self._part = 1.0, 0.0
 
     def displacement(self, x: Array) -> Array:
         """Return the displacements (n,) mm of the body alone under a pressure (n,) kPa."""
         return displacement(x, self.compliance, self.on_grid.points)
 
     def _begin(self, dt: float, target: Target) -> float:
-        g = super()._begin(dt, target)
-        if g != self._gain:  # exact: the same length of step gives the same number
-            self.on_grid.give(self.compliance + g * self.own)
-            self._gain = g
+        g, self._yields = super()._begin(dt, target), load_history(self.object_history, dt)
+        if (part := g / self._yields) != self._part:  # exact: steps of a length give a number
+            self.on_grid.give(self.compliance + part * self.own)
+            self._part = part
         return g
+
+    def _past(self, g: float) -> Array:
+        return super()._past(g) + g / self._yields * self.object_history.moved_past
 
     def _finish(self, dt: float, g: float) -> None:
         pressure = self.solver.x
         store_history(self.history, pressure, self.displacement(pressure), dt, g)
+        store_history(self.object_history, pressure, self._recession(pressure), dt, self._yields)
+
+    def _recession(self, x: Array) -> Array:
+        """Return the displacements (n,) mm of the object under an elastic pressure (n,) kPa."""
+        return displacement(x, self.own, self.on_grid.points)
 
     def energy(self) -> float:
         """Return the stored energy of both bodies in µJ."""
-        p = self.pressure
-        own = float(p @ displacement(p, self.own, self.on_grid.points)) * self.area / 2
-        return super().energy() + own
+        own = stored_energy(self.object_history, self._recession)
+        return super().energy() + own * self.area
+
+
+def stored_energy(m: PronyHistory, moved: Callable[[Array], Array]) -> float:
+    """Return the stored energy of a body in µJ, over the area of a point in mm².
+
+    moved: its displacements in mm under stresses in kPa.
+    """
+    stored = float(m.elastic @ m.moved_elastic)
+    for weight, term in zip(m.weights, m.terms, strict=True):
+        stored += float(term @ moved(term)) / weight if weight > 0.0 else 0.0
+    return stored / 2
 
 
 def beside(ended: Flags) -> Flags:

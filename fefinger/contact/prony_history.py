@@ -33,6 +33,11 @@ class PronyHistory(NamedTuple):
     past: Array
     moved_past: Array
 
+    @property
+    def state(self) -> tuple[Array, Array, Array, Array]:
+        """The arrays that a later step depends on."""
+        return self.terms, self.moved_terms, self.elastic, self.moved_elastic
+
 
 def prony_history(branches: tuple[Array, Array], size: int) -> PronyHistory:
     """Allocate the history of `size` stresses at rest; branches: weights and rates (m,)."""

@@ -1,14 +1,16 @@
-"""What the skin is pressed by: a rigid object, or an elastic one with a flexibility C of its own.
+"""What the skin is pressed by: a rigid object, or a soft one with a flexibility C of its own.
 
-An elastic object gives way by C p under the contact pressure p, at once: gap - depth m + F y + C p
->= 0. With p = g y + h as in `frictionless` the matrix of a step is F + g C and its offset
-g (gap - depth m) - F h; the history is of the skin alone, and needs F p.
+A soft object gives way by C q, q its elastic pressure: gap - depth m + F y + C q >= 0. With p =
+g y + h as in `frictionless` and p = k q + l alike, by the relaxation of the object (k = 1 and l = 0
+of an elastic one), the matrix of a step is F + g C / k and its offset g (gap - depth m) - F h -
+g C l / k. Each body has a history of its own, which needs F p and C p.
 
 `ElasticSurface` is that of skin at finite strain: small strain of its own, under pressures on
 undeformed areas of the skin.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol, Unpack
 
 import numpy as np
@@ -20,11 +22,19 @@ from fefinger.contact.frictionless import (
     FrictionlessContact,
     FrictionlessOptions,
     FrictionlessParts,
+    energy,
     gaps_at,
     press,
 )
 from fefinger.contact.inertial import InertialContact, InertialParts, StepFactors
-from fefinger.contact.prony_history import PronyHistory, increments, load_history, store_history
+from fefinger.contact.prony_history import (
+    PronyHistory,
+    Relaxation,
+    increments,
+    load_history,
+    prony_history,
+    store_history,
+)
 from fefinger.contact.stepper import Target
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.compiled import njit
@@ -41,11 +51,11 @@ class PressingObject(Protocol):
     def inertial(self, *parts: *InertialParts) -> InertialContact:
         """Return a contact of modes with it; arguments as of `InertialContact`."""
 
-    def recession(self, pressure: Array) -> Array:
+    def recession(self, time: Array, pressure: Array) -> Array:
         """Return the displacement (n_t, n_near) mm of its surface away from the skin.
 
-        Or what is broadcast to that. pressure (n_t, n) kPa on the candidates; n_near: vertices
-        around them.
+        Or what is broadcast to that. time (n_t,) s, pressure (n_t, n) kPa on the candidates;
+        n_near: vertices around them.
         """
 
 
@@ -62,7 +72,7 @@ class RigidObject:
         """Return a contact of modes with it."""
         return InertialContact(*parts)
 
-    def recession(self, pressure: Array) -> Array:
+    def recession(self, time: Array, pressure: Array) -> Array:
         """Return 0 (1, 1)."""
         return np.zeros((1, 1))
 
@@ -70,36 +80,58 @@ class RigidObject:
 RIGID = RigidObject()
 
 
+NONE: tuple[Array, Array] = np.zeros(0), np.zeros(0)
+"""Weights and rates of no Prony terms."""
+
+
 @dataclass(frozen=True)
-class ElasticObject:
-    """An elastic object: C (n, n) mm³/kPa on the candidates, and (n_near, n) mm/kPa around them."""
+class SoftObject:
+    """A soft object: C (n, n) mm³/kPa on the candidates, and (n_near, n) mm/kPa around them.
+
+    branches: weights and rates (m,) of its own Prony terms, over its long-time modulus.
+    """
 
     flexibility: Array
     around: Array
+    branches: tuple[Array, Array] = NONE
 
     def frictionless(
         self, *parts: *FrictionlessParts, **options: Unpack[FrictionlessOptions]
     ) -> FrictionlessContact:
         """Return a frictionless contact with it."""
-        return SoftContact(self.flexibility, *parts, **options)
+        return SoftContact((self.flexibility, self.branches), *parts, **options)
 
     def inertial(self, *parts: *InertialParts) -> InertialContact:
-        """Return a contact of modes with it."""
+        """Return a contact of modes with it, elastic."""
         return SoftInertialContact(self.flexibility, *parts)
 
-    def recession(self, pressure: Array) -> Array:
+    def recession(self, time: Array, pressure: Array) -> Array:
         """Return the displacement (n_t, n_near) mm of its surface away from the skin."""
-        return np.asarray(pressure @ self.around.T)
+        return np.asarray(self._elastic(time, pressure) @ self.around.T)
+
+    def _elastic(self, time: Array, pressure: Array) -> Array:
+        """Return its elastic pressures (n_t, n) kPa, linear over the steps."""
+        weights, rates = self.branches
+        if not len(rates):
+            return pressure
+        history = Relaxation(np.array([1.0, *weights]), rates, pressure.shape[1])
+        elastic = np.empty_like(pressure)
+        for k, (before, now) in enumerate(pairwise([float(time[0]), *time.tolist()])):
+            g, past = history.history(now - before)
+            elastic[k] = (pressure[k] - past) / g
+            history.advance(now - before, elastic[k])
+        return elastic
 
 
 @njit(cache=True)
 def _step(
     s: LcpState,
     m: PronyHistory,
+    body: PronyHistory,
     flexibility: Array,
-    moved: Array,
+    own: Array,
+    work: Array,
     chosen: Integers,
-    factor: Array,
     search: Array,
     gap: Array,
     projected: Array,
@@ -111,49 +143,68 @@ def _step(
     stiffness: float,
     tolerance: float,
 ) -> int:
-    g = load_history(m, dt)
-    past = m.moved_past
+    g, k = load_history(m, dt), load_history(body, dt)
+    past, moved, factor = work[0], work[1], work[2]
+    for j in range(len(past)):
+        past[j] = m.moved_past[j] + stiffness / k * body.moved_past[j]
     failed = press(
         s, search, gap, past, stiffness, projected, limits, offset, value, by_force, tolerance
     )
     if failed == DONE:
         active_set.combine(moved, flexibility, s.x, chosen, factor)
         store_history(m, s.x, moved, dt, g)
+        active_set.combine(moved, own, s.x, chosen, factor)
+        store_history(body, s.x, moved, dt, k)
     return failed
 
 
 class SoftContact(FrictionlessContact):
-    """Frictionless contact with an elastic object.
+    """Frictionless contact with a soft object.
 
-    own: C (n, n); the rest as of `FrictionlessContact`.
+    soft: its C (n, n), and its Prony terms as of `SoftObject`; the rest as of
+    `FrictionlessContact`.
+
+    Attributes
+    ----------
+    body
+        The history of the object.
     """
 
     def __init__(
-        self, own: Array, *parts: *FrictionlessParts, **options: Unpack[FrictionlessOptions]
+        self,
+        soft: tuple[Array, tuple[Array, Array]],
+        *parts: *FrictionlessParts,
+        **options: Unpack[FrictionlessOptions],
     ) -> None:
         super().__init__(*parts, **options)
-        flexibility = parts[0]
+        (own, branches), flexibility = soft, parts[0]
         count = len(flexibility)
         self.own, self.flexibility = np.array(own), np.array(flexibility)
-        self._moved, self._chosen = np.zeros(count), np.zeros(count, dtype=np.int64)
-        self._factor, self._scaled, self._stiffness = np.zeros(count), np.empty_like(self.own), 0.0
+        self.body = prony_history(branches, count)
+        self._state += self.body.state
+        self._work, self._chosen = np.zeros((3, count)), np.zeros(count, dtype=np.int64)
+        self._scaled, self._part = np.empty_like(self.own), 0.0
 
     def _advance(self, dt: float, target: Target) -> int:
         gap, limits = gaps_at(self.gap, target, self.limits, turns=self.turns)
-        gains = increments(self.history.weights, self.history.rates, dt)
-        stiffness = (1.0 + float(gains.sum())) * self.stiffening
-        if stiffness != self._stiffness:  # exact: the same length of step gives the same number
-            np.multiply(self.own, stiffness, out=self._scaled)
+        gains, yields = (
+            1.0 + float(increments(each.weights, each.rates, dt).sum())
+            for each in (self.history, self.body)
+        )
+        stiffness = gains * self.stiffening
+        if (part := stiffness / yields) != self._part:  # exact: steps of a length give a number
+            np.multiply(self.own, part, out=self._scaled)
             np.add(self.flexibility, self._scaled, out=self.lcp.flexibility)
-            self._stiffness = stiffness
+            self._part = part
         return int(
             _step(
                 self.lcp,
                 self.history,
+                self.body,
                 self.flexibility,
-                self._moved,
+                self.own,
+                self._work,
                 self._chosen,
-                self._factor,
                 self.search,
                 gap,
                 self.projected,
@@ -169,8 +220,8 @@ class SoftContact(FrictionlessContact):
 
     def energy(self) -> tuple[float, float]:
         """Return the stored energy of both bodies in µJ and the dissipated power in µW."""
-        stored, lost = super().energy()
-        return stored + float(self.pressure @ self.own @ self.pressure / 2), lost
+        (stored, lost), (own, own_lost) = super().energy(), energy(self.body, self.own)
+        return stored + own, lost + own_lost
 
 
 class SoftInertialContact(InertialContact):

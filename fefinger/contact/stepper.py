@@ -114,8 +114,7 @@ class Stepper(ABC):
         self.solved: Integers = solver.counts[1:2]
         self._place = solver.place
         volatile: State = (self.search, *solver.volatile)
-        past = history.terms, history.moved_terms, history.elastic, history.moved_elastic
-        self._state: State = (*volatile, self.pose, *past, *kept)
+        self._state: State = (*volatile, self.pose, *history.state, *kept)
         self._volatile = [(each, np.empty_like(each)) for each in volatile]
 
     @property

@@ -69,8 +69,8 @@ ELLIPTIC = (
 class HalfSpace:
     """The relaxed finger under an object: relative radius R mm, modulus E kPa, poisson.
 
-    yielding 1/kPa: (1 - nu²) / E of the object, 0 of a rigid one; 1 / E* is the sum of both bodies'
-    (Pawluk 1997, Eq. 3.21).
+    yielding 1/kPa: (1 - nu²) / E of the relaxed object, 0 of a rigid one; 1 / E* is the sum of both
+    bodies' (Pawluk 1997, Eq. 3.21).
     """
 
     relative_radius: float
@@ -84,10 +84,11 @@ class HalfSpace:
         plane = plane / (1 + self.yielding * plane)
         return 4 / 3 * plane * float(np.sqrt(self.relative_radius))
 
-    def share(self, long_time: float) -> float:
-        """Return the object's part in the compliance at once; long_time: G(infinity) of tissue."""
-        skin = long_time * (1 - self.poisson**2) / self.modulus
-        return self.yielding / (self.yielding + skin)
+    def share(self, tissue: Prony, own: Prony) -> float:
+        """Return the object's part in the compliance at once, by G of the tissue and its own."""
+        skin = tissue.long_time * (1 - self.poisson**2) / self.modulus
+        yielding = own.long_time * self.yielding
+        return yielding / (yielding + skin)
 
     def force(self, depth: Array) -> Array:
         """Return the force (n,) in mN."""
@@ -257,7 +258,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
         mechanics=name,
         notes=stated,
         numbers=numbers,
-        share=body.share(scene.finger.prony.long_time),
+        share=body.share(scene.finger.prony, scene.indenter.soft_prony),
     )
 
 
@@ -266,8 +267,9 @@ def deepest(case: Situation) -> float:
     if case.motion.deepest is not None:
         return case.motion.deepest
     body = half_space(case.finger, case.indenter)
-    share = body.share(case.finger.prony.long_time)
-    return float(body.depth(elastic_peak(case.motion, in_series(case.finger.prony, share))))
+    tissue, own = case.finger.prony, case.indenter.soft_prony
+    both = in_series(tissue, body.share(tissue, own), own)
+    return float(body.depth(elastic_peak(case.motion, both)))
 
 
 @lru_cache(maxsize=32)

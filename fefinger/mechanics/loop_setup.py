@@ -14,6 +14,7 @@ from fefinger.mechanics.press import elastic_press, prepared, prepared_contacts,
 from fefinger.mechanics.press.notes import (
     elastic_hard_parts_reasons,
     friction_reasons,
+    relaxing_object_reasons,
     separate_relaxation_reasons,
     soft_reasons,
     stiffens,
@@ -125,6 +126,9 @@ class LoopOptions:
         if self.known is not None and (self.mechanics == PRESSED or self.angles is not None):
             for reason in soft_reasons(self.known):
                 yield f"{reason.text}; use mechanics='condensed' or 'modal' without `angles`"
+        if self.known is not None and self.mechanics == MODAL:
+            for reason in relaxing_object_reasons(self.known):
+                yield f"{reason.text}; use mechanics='condensed'"
         if self.mechanics == PRESSED:
             fixed = separate_relaxation_reasons, elastic_hard_parts_reasons
             for reason in (each for reasons in fixed for each in reasons(self.finger)):

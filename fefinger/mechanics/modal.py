@@ -17,6 +17,7 @@ from fefinger.mechanics.press.notes import (
     QUASISTATIC,
     Reason,
     refusals,
+    relaxing_object_reasons,
     soft_reasons,
     stiffens,
     tangential_reasons,
@@ -51,11 +52,12 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 
 
 def _unable(case: Situation) -> Iterator[Reason]:
-    """Yield a path or friction, and a sweep of a soft object.
+    """Yield a path or friction, an object that relaxes, and a sweep of a soft object.
 
     The closed form of a sweep has one complex modulus for all that gives way.
     """
     yield from tangential_reasons(case.motion, case.indenter)
+    yield from relaxing_object_reasons(case.indenter)
     if case.motion.frequencies is not None:
         yield from soft_reasons(case.indenter)
 

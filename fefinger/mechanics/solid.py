@@ -44,7 +44,8 @@ def refuse(case: Situation) -> tuple[Refusal, ...]:
 def refused(mechanics: str, case: Situation) -> tuple[Refusal, ...]:
     """Return the reasons against finite strain for a scene, as refusals of `mechanics`."""
     sliding = notes.finite_sliding_reasons(case.motion, case.indenter)
-    unable = [*sliding, *case.too_long, *linear.unmeshable(case)]
+    elastic = notes.relaxing_object_reasons(case.indenter)
+    unable = [*sliding, *elastic, *case.too_long, *linear.unmeshable(case)]
     if unable:
         return refusals(mechanics, "ability", unable)
     reasons = [*linear.too_small(case), *linear.unmeasured(case.finger)]

@@ -21,6 +21,7 @@ from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.support.registry import hyphenated
 from fefinger.theory.contact.stack import Stack
+from fefinger.theory.relaxation import ELASTIC, Prony
 
 
 # Beyond 60 degrees the nail is in the way; the thesis has 20 to 40 (Pawluk 1997, section 2.2).
@@ -247,8 +248,13 @@ class Indenter(ABC):
 
     @property
     def soft_body(self) -> Stack | None:
-        """The elastic body of a soft object; None where it is rigid."""
+        """The elastic body of a soft object, relaxed; None where it is rigid."""
         return None
+
+    @property
+    def soft_prony(self) -> Prony:
+        """The relaxation of a soft object."""
+        return ELASTIC
 
     @property
     def feature(self) -> float:

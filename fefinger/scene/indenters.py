@@ -16,6 +16,7 @@ from fefinger.support import registry
 from fefinger.support.checks import InputError, set_number
 from fefinger.support.registry import Registry
 from fefinger.theory.contact.stack import Layer, Stack
+from fefinger.theory.relaxation import ELASTIC, Prony
 
 
 POISSON = 0.5
@@ -33,7 +34,10 @@ class Compliant(Indenter):
     modulus: Annotated[
         float | None,
         Key(
-            "Young's modulus of a soft object; rigid by default", unit="kPa", above=0, written=False
+            "Young's modulus of a soft object, relaxed; rigid by default",
+            unit="kPa",
+            above=0,
+            written=False,
         ),
     ] = field(default=None, kw_only=True, repr=False)
 
@@ -52,11 +56,16 @@ class Compliant(Indenter):
         ),
     ] = field(default=None, kw_only=True, repr=False)
 
+    prony: Annotated[
+        Prony | None,
+        Key("Relaxation of a soft object; elastic by default", written=False),
+    ] = field(default=None, kw_only=True, repr=False)
+
     def __post_init__(self) -> None:
         """Check the fields, and that they belong together."""
         super().__post_init__()
         if self.modulus is None:
-            for name, usual in (("poisson", POISSON), ("thickness", None)):
+            for name, usual in (("poisson", POISSON), ("thickness", None), ("prony", None)):
                 if getattr(self, name) != usual:
                     raise InputError(
                         f"indenter.modulus: expected a number in kPa beside indenter.{name}, which "
@@ -83,19 +92,27 @@ class Compliant(Indenter):
         return Stack((Layer(self.thickness or math.inf, self.modulus, self.poisson),))
 
     @property
+    def soft_prony(self) -> Prony:
+        """The relaxation of a soft object."""
+        return self.prony or ELASTIC
+
+    @property
     def signature(self) -> str:
         """Text by which results of the object are kept."""
         if self.modulus is None:
             return super().signature
-        return f"{super().signature} {self.modulus!r} {self.poisson!r} {self.thickness!r}"
+        relaxation = "" if self.prony is None else f" {self.prony!r}"
+        body = f"{self.modulus!r} {self.poisson!r} {self.thickness!r}"
+        return f"{super().signature} {body}{relaxation}"
 
     @property
     def _stuff(self) -> tuple[str, str]:
         """Words for what it is made of: "rigid" and nothing, or "soft" and "50 kPa"."""
         if self.modulus is None:
             return "rigid", ""
+        relaxed = " relaxed" if self.prony else ""
         layer = f" ({self.thickness:g} mm thick on a rigid base)" if self.thickness else ""
-        return "soft", f"{self.modulus:g} kPa{layer}"
+        return "soft", f"{self.modulus:g} kPa{relaxed}{layer}"
 
     def _described(self, noun: str, size: str) -> str:
         """Return "a rigid sphere of radius 5 mm", or "a soft sphere of 50 kPa, radius 5 mm"."""

@@ -292,6 +292,7 @@ def _ask(table: dict[str, object]) -> Ask:
 
 def indenter_of(table: dict[str, Any], folder: Path) -> Indenter:
     """Make the object of a table [indenter]; InputError for another kind, or wrong keys."""
+    table |= _prony("indenter", table)
     kind = table.pop("kind", Flat.kind)
     try:
         choice("indenter.kind", kind, INDENTERS, OBJECTS)

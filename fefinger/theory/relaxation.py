@@ -128,27 +128,34 @@ class Prony:
         return 1.0 / self.long_time, k, lam
 
 
-def in_series(prony: Prony, share: float) -> Prony:
-    """Return G of a body that relaxes with `prony` in series with an elastic one.
+ELASTIC = Prony((1.0,), ())
+"""G of a body that does not relax."""
 
-    share, 0 to below 1: the part of the compliance at t = 0 that the elastic body has.
+
+def in_series(prony: Prony, share: float, other: Prony = ELASTIC) -> Prony:
+    """Return G of a body that relaxes with `prony` in series with one that does with `other`.
+
+    share, 0 to below 1: the part of the compliance at t = 0 that the other body has.
 
     Notes
     -----
-    The creep functions add: J = share + (1 - share) J_1, with J_1 = 1 + sum k_j (1 - exp(-lam_j
-    t)). With w_j² = (1 - share) k_j lam_j the transform of G is s G(s) = 1 / (1 + sum w_j² / (s +
-    lam_j)) = 1 - w' (s + diag(lam) + w w')^-1 w, so that the rates v are the eigenvalues of that
-    matrix and the weights (w' x)² / v of its eigenvectors x.
+    The creep functions add: J = share J_2 + (1 - share) J_1, with J_1 = 1 + sum k_j (1 -
+    exp(-lam_j t)) and J_2 alike. With w_j² = (1 - share) k_j lam_j of the terms of J_1, share k_j
+    lam_j of those of J_2, the transform of G is s G(s) = 1 / (1 + sum w_j² / (s + lam_j)) = 1 - w'
+    (s + diag(lam) + w w')^-1 w, so that the rates v are the eigenvalues of that matrix and the
+    weights (w' x)² / v of its eigenvectors x.
     """
     if share == 0:
         return prony
     if not 0 < share < 1:
         raise ValueError(f"in_series: expected a share of 0 to below 1, received {share!r}")
-    _, k, lam = prony.creep()
-    w = np.sqrt((1 - share) * k * lam)
+    parts = (prony.creep(), 1 - share), (other.creep(), share)
+    k = np.concatenate([part * each for (_, each, _), part in parts])
+    lam = np.concatenate([each for (_, _, each), _ in parts])
+    w = np.sqrt(k * lam)
     rates, vectors = np.linalg.eigh(np.diag(lam) + np.outer(w, w))
     weights = (w @ vectors) ** 2 / rates
-    relaxed = 1 / (1 + (1 - share) * k.sum())
+    relaxed = 1 / (1 + k.sum())
     return Prony((relaxed, *weights.tolist()), tuple(rates.tolist()))
 
 

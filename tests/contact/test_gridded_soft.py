@@ -47,7 +47,7 @@ def test_a_half_space_gives_way_by_the_closed_form_without_its_images() -> None:
 def test_two_half_spaces_press_as_hertz() -> None:
     of, radius, depth = grid(128, 10.0), 8.0, 0.2
     own = object_compliance(HALF_SPACE, of)
-    press = SoftGridContact(own, own, (128, 128), of.spacing, ball(of), ELASTIC)
+    press = SoftGridContact((own, ELASTIC), own, (128, 128), of.spacing, ball(of), ELASTIC)
     assert press.advance(0.0, Target(depth)) == DONE
     wanted = 4 / 3 * (STIFF / 2) * np.sqrt(radius) * depth**1.5
     assert press.force == pytest.approx(wanted, rel=5e-3)
@@ -74,19 +74,27 @@ def dense(of: LayerGrid, compliance: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    "body", [HALF_SPACE, Stack((Layer(3.0, 25.0, 0.3),))], ids=["half", "3 mm"]
+    ("body", "branches"),
+    [(HALF_SPACE, ELASTIC), (Stack((Layer(3.0, 25.0, 0.3),)), (np.array([1.5]), np.array([4.0])))],
+    ids=["half", "3 mm, relaxing"],
 )
 def test_it_relaxes_as_the_dense_contact_with_a_soft_object_does(
-    small: LayerGrid, body: Stack
+    small: LayerGrid, body: Stack, branches: tuple[np.ndarray, np.ndarray]
 ) -> None:
     own, gap = object_compliance(body, small), ball(small)
     area = np.full(small.points**2, small.spacing**2)
     both: list[Stepper] = [
         SoftGridContact(
-            own, small.compliance, (16, 16), small.spacing, gap, BRANCHES, tolerance=1e-8
+            (own, branches),
+            small.compliance,
+            (16, 16),
+            small.spacing,
+            gap,
+            BRANCHES,
+            tolerance=1e-8,
         ),
         SoftContact(
-            dense(small, own),
+            (dense(small, own), branches),
             dense(small, small.compliance),
             gap(0.0).ravel() * area,
             area,
@@ -110,7 +118,7 @@ def test_it_relaxes_as_the_dense_contact_with_a_soft_object_does(
 def test_a_hard_object_is_the_rigid_one(small: LayerGrid) -> None:
     hard = object_compliance(Stack((Layer(math.inf, 1e15, 0.5),)), small)
     parts = small.compliance, (16, 16), small.spacing, ball(small), BRANCHES
-    contacts = SoftGridContact(hard, *parts), GridContact(*parts)
+    contacts = SoftGridContact((hard, ELASTIC), *parts), GridContact(*parts)
     for dt, depth in ((0.0, 0.4), (0.1, 0.7), (1.0, 0.5)):
         for each in contacts:
             each.advance(dt, Target(depth))

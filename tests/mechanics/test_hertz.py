@@ -18,7 +18,13 @@ from fefinger.support.checks import InputError
 from fefinger.theory.contact import ting
 from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.ting import radius_nodes
-from fefinger.theory.relaxation import Prony, creep_integral, hereditary_integral, in_series
+from fefinger.theory.relaxation import (
+    ELASTIC,
+    Prony,
+    creep_integral,
+    hereditary_integral,
+    in_series,
+)
 
 
 FINGER = ff.Finger.subject("a.h.", tissue="maeno1998")
@@ -302,16 +308,31 @@ def soft(modulus, **parts):
     return scene(indenter=ball, **parts)
 
 
+@pytest.mark.parametrize("other", [ELASTIC, Prony((0.3, 0.5, 0.2), (0.4, 7.0))])
 @pytest.mark.parametrize("share", [0.2, 0.9])
-def test_in_series_the_compliances_add(share):
-    """At every time: what the elastic part and the relaxing one give way under the same force."""
+def test_in_series_the_compliances_add(share, other):
+    """At every time: what both parts give way under the same force."""
     time = np.linspace(0, 3, 4001) ** 2
-    force = hereditary_integral(in_series(PRONY, share), time, np.sin(time) + 1.5)
-    both = share * force + (1 - share) * creep_integral(PRONY, time, force)
+    force = hereditary_integral(in_series(PRONY, share, other), time, np.sin(time) + 1.5)
+    both = share * creep_integral(other, time, force)
+    both += (1 - share) * creep_integral(PRONY, time, force)
     assert both == pytest.approx(np.sin(time) + 1.5, rel=1e-4)
     assert in_series(PRONY, 0.0) is PRONY
     with pytest.raises(ValueError, match="in_series"):
         in_series(PRONY, 1.0)
+
+
+def test_an_object_that_relaxes_as_the_skin_does_shares_its_strain_at_all_times():
+    motion = ff.RampHold(20, 0.4, hold=0.3)
+    ball = ff.Sphere(8, modulus=20, poisson=0.45, prony=FINGER.prony)
+    both = hertz.respond(scene(indenter=ball, motion=motion))
+    rigid, elastic = (hertz.respond(soft(modulus, motion=motion)) for modulus in (None, 20.0))
+    part = both.force[-1] / rigid.force[-1]
+    assert both.force == pytest.approx(part * rigid.force, rel=1e-9)
+    assert np.abs(both.strain - part * rigid.strain).max() < 1e-3 * np.abs(both.strain).max()
+    assert both.force[-1] / both.force.max() < 0.95 * elastic.force[-1] / elastic.force.max()
+    (note,) = (each for each in both.notes if "The object is soft" in each)
+    assert "gives way more as it relaxes" in note
 
 
 def test_relaxed_bodies_add_up_in_force_and_share_the_strain():

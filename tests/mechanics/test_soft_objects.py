@@ -12,6 +12,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.records import Response
 from fefinger.scene.motion import Motion
 from fefinger.support.checks import InputError
+from fefinger.theory.relaxation import Prony
 
 
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
@@ -44,6 +45,37 @@ def test_the_response_has_both_bodies_in_its_gap_and_says_so() -> None:
     assert soft.numbers["penetration_mm"] < 2 * rigid.numbers["penetration_mm"]
 
 
+def test_an_object_relaxes_beside_the_finger_in_steps_of_any_length() -> None:
+    """In its gap, in a loop that halves the steps of the march, and more than an elastic one."""
+    ball = ff.Sphere(6, modulus=30, prony=Prony((0.3, 0.5, 0.2), (8.0, 120.0)))
+    answer = condensed.respond(scene(ball))
+    elastic = condensed.respond(scene(ff.Sphere(6, modulus=100)))
+    assert answer.force[-1] / answer.force.max() < 0.8 * elastic.force[-1] / elastic.force.max()
+    inside = np.abs(answer.gap[-1][answer.pressure[-1] > 0]).max()
+    assert inside < 2 * np.abs(elastic.gap[-1][elastic.pressure[-1] > 0]).max()
+    (note,) = (each for each in answer.notes if each.startswith("The object is soft"))
+    assert "it gives way more as it relaxes, to 30 % of its stress at once" in note
+    loop, last = ff.Loop(FINGER, ball, mechanics="condensed", deepest=0.8), 0.0
+    for time, depth in zip(np.diff(answer.time), answer.depth[1:], strict=True):
+        loop.step(float(time) / 2, depth=(last + float(depth)) / 2)
+        force = loop.step(float(time) / 2, depth=float(depth)).force
+        last = float(depth)
+    assert force == pytest.approx(answer.force[-1], rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["solid", "modal"])
+def test_a_mechanics_of_elastic_objects_refuses_one_that_relaxes(name: str) -> None:
+    plate = ff.Flat(30, modulus=50, prony=FINGER.prony)
+    (refusal,) = get(name).refuse(Situation.of(scene(plate)))
+    assert (refusal.about, refusal.field) == ("ability", "indenter.prony")
+    if name == "modal":
+        with pytest.raises(InputError, match=r"indenter\.prony: set, .*use mechanics='condensed'"):
+            ff.Loop(FINGER, plate, mechanics=name)
+    error, source = condensed.error(Situation.of(scene(plate)))
+    assert np.isnan(error)
+    assert "do not relax" in source
+
+
 def test_linear_and_condensed_agree_and_half_a_finger_is_the_whole() -> None:
     ball = ff.Sphere(6, modulus=30, thickness=4)
     half = condensed.respond(scene(ball))
@@ -51,7 +83,8 @@ def test_linear_and_condensed_agree_and_half_a_finger_is_the_whole() -> None:
     assert half.numbers["half"] == 1
     assert whole.numbers["half"] == 0
     assert half.force == pytest.approx(whole.force, rel=1e-5)
-    plate = scene(ff.Flat(30, modulus=30), ff.Ramp(20, 0.6))  # on the mesh of `linear` too
+    body = ff.Flat(30, modulus=30, prony=FINGER.prony)
+    plate = scene(body, ff.Ramp(20, 0.6))  # on the mesh of `linear` too
     same(condensed.respond(plate), linear.respond(plate), 1e-9)
 
 

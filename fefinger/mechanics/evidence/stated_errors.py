@@ -109,6 +109,8 @@ def _not_measured(case: Situation, quantity: str) -> str:
     """Return why the error of what stands for a soft object is not known; "" if it is."""
     body, depth, least = case.indenter.soft_body, case.motion.deepest, case.indenter.least_radius
     assert body is not None
+    if case.indenter.soft_prony.v:
+        return "it was measured of soft objects that do not relax"
     if quantity != "force" or depth is None:
         return "under soft objects it was measured of the force, at prescribed depths"
     curvature = 1 / case.finger.pad_radius + 1 / least

@@ -30,7 +30,7 @@ from fefinger.support.checks import BeyondError, InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact import ting
-from fefinger.theory.relaxation import Prony, in_series
+from fefinger.theory.relaxation import Prony, creep_integral, in_series
 
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def respond(
     first = _first_touch(scene)
     with stages.stage("contact"):
         time = time_grid(motion, fast="FAII" in scene.ask.spikes)
-        prony = in_series(finger.prony, share)
+        prony = in_series(finger.prony, share, scene.indenter.soft_prony)
         history = _march(motion, time, prony, contact)
         deepest = float(history.depth.max())
         check_reached(motion, finger.pulp, deepest)
@@ -123,7 +123,7 @@ def respond(
             skin = partial(spherical, finger.pad_radius, direction(STANDARD))
             sites = end_organ_sites(scene.ask, finger.pulp, first.origin, first.axis, skin)
             r, z, frames = _cylinder(first, sites)
-            own = _of_the_skin(history, share)
+            own = _of_the_skin(history, share, scene.indenter.soft_prony)
             strain = turned(own.strain(_strain(contact, history.nodes, r, z)), frames)
             reference = small_press(scene.ask, finger.pulp, plate) if scene.ask.spikes else None
     radii, steps = len(history.nodes), len(history.time)
@@ -178,9 +178,12 @@ def _march(
     return ting.press_by_force(prony, time, force, elastic)
 
 
-def _of_the_skin(history: ting.ContactHistory, share: float) -> ting.ContactHistory:
-    """Return a history without the displacement of a soft object, which follows the stress."""
-    return replace(history, strained=history.strained - share * history.stressed)
+def _of_the_skin(history: ting.ContactHistory, share: float, soft: Prony) -> ting.ContactHistory:
+    """Return a history without the displacement of a soft object, which creeps under the stress."""
+    if not share:
+        return history
+    yielded = share * creep_integral(soft, history.time, history.stressed)
+    return replace(history, strained=history.strained - yielded)
 
 
 def _pressure(

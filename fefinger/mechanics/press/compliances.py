@@ -18,10 +18,10 @@ from fefinger.contact.pad_worlds import Pad
 from fefinger.contact.soft import (
     RIGID,
     RIGID_SURFACE,
-    ElasticObject,
     ElasticSurface,
     ObjectSurface,
     PressingObject,
+    SoftObject,
 )
 from fefinger.fem.body import Solid
 from fefinger.fem.condensation import Operator
@@ -121,15 +121,15 @@ def facets(space: Space, on: Patch) -> Facets:
 @one_thread
 def pressing_object(indenter: Indenter | OwnObstacle, solid: Solid, on: Patch) -> PressingObject:
     """Return the object that presses the candidates of a solid."""
-    body = None if isinstance(indenter, OwnObstacle) else indenter.soft_body
-    if body is None:
+    if isinstance(indenter, OwnObstacle) or (body := indenter.soft_body) is None:
         return RIGID
     count, skin, made = len(on.vertices), facets(solid.space, on), kernel(body)
     images = images_of(solid)
     around = np.ascontiguousarray(solid.space.points[on.neighborhood.vertices])
-    return ElasticObject(
+    return SoftObject(
         flexibility(made, skin, count, images),
         moved_points(made, skin, around, count, images),
+        indenter.soft_prony.branches,
     )
 
 

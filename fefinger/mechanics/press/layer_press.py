@@ -103,7 +103,8 @@ class LayerPress:
         shape, rest = (grid.points, grid.points), (grid.spacing, self.gap, branches)
         if indenter.soft_body is not None:
             own = object_compliance(indenter.soft_body, grid)
-            return SoftGridContact(own, grid.compliance, shape, *rest)
+            soft = own, indenter.soft_prony.branches
+            return SoftGridContact(soft, grid.compliance, shape, *rest)
         if not indenter.friction:
             return GridContact(grid.compliance, shape, *rest)
         return GridFriction(grid.flexibility, shape, (indenter.friction, indenter.kinetic), *rest)

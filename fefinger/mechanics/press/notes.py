@@ -14,6 +14,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
 from fefinger.scene.tissue import Hard
 from fefinger.support.arrays import Array, Flags
+from fefinger.support.text import percent
 from fefinger.theory.relaxation import Prony
 
 
@@ -43,7 +44,7 @@ RIGID_BONE = (
 RIGID_OBJECT = "The object is rigid."
 
 SOFT_OBJECT = (
-    "The object is soft: it gives way at once, at small strain and without friction, as a flat "
+    "The object is soft: it gives way {}, at small strain and without friction, as a flat "
     "body does, {}. The skin sees the movement along its pressure, by distances along the "
     "undeformed skin. The depth is the approach, by which both bodies give way."
 )
@@ -146,7 +147,11 @@ def object_note(indenter: Indenter) -> str:
     if body.thickness < np.inf:
         kind = f"a layer of {body.thickness:g} mm bonded to a rigid base"
     modulus, poisson = body.surface
-    return SOFT_OBJECT.format(f"{kind} of {modulus:g} kPa and Poisson's ratio {poisson:g}")
+    how = "at once"
+    if (series := indenter.soft_prony).v:
+        how = f"more as it relaxes, to {percent(series.long_time)} of its stress at once"
+    body_ = f"{kind} of {modulus:g} kPa and Poisson's ratio {poisson:g}"
+    return SOFT_OBJECT.format(how, body_)
 
 
 def soft_reasons(indenter: Indenter) -> Iterator[Reason]:
@@ -155,6 +160,12 @@ def soft_reasons(indenter: Indenter) -> Iterator[Reason]:
     if body is not None:
         reason = f"indenter.modulus = {body.surface[0]:g} kPa: this mechanics has rigid objects"
         yield Reason("indenter.modulus", reason)
+
+
+def relaxing_object_reasons(indenter: Indenter) -> Iterator[Reason]:
+    """Yield the relaxation of a soft object."""
+    if indenter.soft_prony.v:
+        yield Reason("indenter.prony", "indenter.prony: set, but soft objects are elastic here")
 
 
 def finite_sliding_reasons(motion: Motion, indenter: Indenter) -> Iterator[Reason]:

@@ -143,7 +143,7 @@ def small_strain_response(press: Press, history: SmallStrainHistory, stages: Sta
         pad, column = whole_pad(press.body, on_pad.neighborhood)
         pressure = on_neighborhood(contact.pressure, on_pad.neighborhood)[:, column]
         displacement = contact.elastic_pressure @ history.reduced.normal_displacement.T
-        displacement += history.reduced.object.recession(contact.pressure)
+        displacement += history.reduced.object.recession(press.time, contact.pressure)
         if press.motion.slides:
             on_pad = replace(on_pad, distance=moving_contact.distances(press, on_pad))
         gap = on_pad.clearance(contact.depth, displacement)[:, column]

@@ -104,7 +104,7 @@ def solve_contact(
             pressed: Flags = np.any(history.pressure > 0, axis=0)
             if not (on_pad.border & pressed).any() or rings == problem.ATTEMPTS - 1:
                 # Not before: with too few candidates a prescribed force presses too deep.
-                yielded = reduced.object.recession(history.pressure).max(axis=1)
+                yielded = reduced.object.recession(press.time, history.pressure).max(axis=1)
                 deepest = float((history.depth - yielded).max())  # of the skin alone
                 mesh_limits.check_reached(press.motion, press.finger.pulp, deepest)
                 placement.check_inside(press.body, on_pad.vertices[pressed], deepest)
