@@ -51,7 +51,7 @@ class Picture:
         self._half = frames.is_half(mesh.points)
         whole = frames.whole(at_rest)
         self._points = whole.points
-        self._surfaces = (*surfaces.cut_open(whole), *surfaces.other_half(whole))
+        self._surfaces = (*surfaces.cut_open(whole, inner=False), *surfaces.other_half(whole))
         self._lines = surfaces.outlines(whole)
         sites = loop.sites
         chosen = np.arange(len(sites.types))

@@ -30,10 +30,11 @@ class Piece(frames.EdgePoints):
     flat: bool = False
 
 
-def cut_open(fields: Fields) -> tuple[Piece, ...]:
+def cut_open(fields: Fields, *, inner: bool = True) -> tuple[Piece, ...]:
     """Return the half behind the medial plane: the surface of each tissue, and its face in the cut.
 
-    The part of the skin that touches the object at any time is a piece of its own, the pad.
+    The part of the skin that touches the object at any time is a piece of its own, the pad. Without
+    `inner` the faces between two tissues are left out, which the skin and the cut hide.
     """
     cut = frames.cut(fields.points, fields.cells, fields.region)
     places = cut.at(fields.points)
@@ -41,6 +42,8 @@ def cut_open(fields: Fields) -> tuple[Piece, ...]:
     pieces = []
     for region, (faces, outer) in _boundaries(fields).items():
         name = NAMES[region]
+        if not inner:
+            faces, outer = faces[outer], outer[outer]
         if region == SKIN:
             pad = outer & touches[faces].any(axis=1)
             pieces.append(_clipped(PAD, fields.points, faces[pad]))
@@ -59,7 +62,7 @@ def other_half(fields: Fields) -> tuple[Piece, ...]:
     mirrored = replace(fields, points=mirror.image(fields.points))
     return tuple(
         replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
-        for piece in cut_open(mirrored)
+        for piece in cut_open(mirrored, inner=False)
         if piece.name in (NAMES[SKIN], PAD) and not piece.flat
     )
 

@@ -81,6 +81,26 @@ def test_it_is_pressed_by_mouse_and_keys_and_what_is_saved_is_repeated(tmp_path:
     shown(work, tmp_path)
 
 
+def test_pictures_are_coarser_while_drawing_is_slow_and_fine_again_at_rest(tmp_path: Path) -> None:
+    async def work(tab: Tab, server: Server) -> None:
+        frames = "for (let k = 0; k < 100; k++) pace.note({}); drawn = null; draw();"
+        pixels = "scenes.map(({{ canvas }}) => Math.round({} * canvas.clientWidth))"
+        width = "scenes.map(({ canvas }) => canvas.width)"
+
+        async def after(script: str, number: float) -> None:
+            widths, wanted = await tab.value(f"{script} [{width}, {pixels.format(number)}]")
+            assert widths == wanted
+
+        await after(frames.format(100), 0.5)
+        await after("pace.patience = 1;" + frames.format(5), 2)
+        await after(frames.format(100), 0.5)
+        await tab.until("still")
+        await after("", 2)
+        await after("pace.note = () => {}; drawn = null; draw();", 0.5)
+
+    shown(work, tmp_path)
+
+
 def test_another_object_is_pressed_on_a_phone_and_a_hidden_tab_pauses(tmp_path: Path) -> None:
     async def work(tab: Tab, server: Server) -> None:
         size = {"width": PHONE, "height": 844, "deviceScaleFactor": 1, "mobile": True}

@@ -75,6 +75,15 @@ function normals(points, triangles, same) {
   return sums;
 }
 
+// An empty canvas, its unit a pixel of the page: returns its pen.
+function sheet(canvas) {
+  const ratio = devicePixelRatio || 1, pen = canvas.getContext("2d", PAPER);
+  canvas.width = Math.round(canvas.clientWidth * ratio);
+  canvas.height = Math.round(canvas.clientHeight * ratio);
+  pen.scale(ratio, ratio);
+  return pen;
+}
+
 const rgb = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
 
 class Scene {
@@ -150,12 +159,10 @@ class Scene {
 
   look() {
     const gl = this.gl, at = (name) => gl.getUniformLocation(this.program, name), { view } = this.state;
-    const ratio = devicePixelRatio || 1;
-    for (const canvas of [this.canvas, this.paper]) {
-      canvas.width = Math.round(canvas.clientWidth * ratio);
-      canvas.height = Math.round(canvas.clientHeight * ratio);
-    }
-    const { width, height } = this.canvas;
+    const { canvas, fineness } = this;
+    [this.wide, this.tall] = [canvas.clientWidth, canvas.clientHeight];
+    const width = Math.round(this.wide * fineness), height = Math.round(this.tall * fineness);
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     gl.viewport(0, 0, width, height);
     const [cy, sy, cp, sp] = [Math.cos(view.yaw), Math.sin(view.yaw), Math.cos(view.pitch), Math.sin(view.pitch)];
     // Rows: right, up and toward the eye, which is at -y when nothing is turned.
@@ -165,22 +172,32 @@ class Scene {
     gl.uniformMatrix3fv(at("turn"), true, this.turn.flat());
     gl.uniform3f(at("center"), ...this.center);
     gl.uniform4f(at("frame"), ...this.frameOf);
-    this.size = Math.max(12 * ratio, 0.38 * scale);
+    this.size = Math.max(12 * fineness, 0.38 * scale);
     gl.clearColor(1, 1, 1, 1);
     gl.enable(gl.DEPTH_TEST);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
+  // Place of a point in pixels of the page, and how close to the eye it is.
   project(points, k) {
     const d = [0, 1, 2].map((i) => points[3 * k + i] - this.center[i]);
     const [x, y, z] = this.turn.map((row) => row[0] * d[0] + row[1] * d[1] + row[2] * d[2]);
     const [sx, sy, ox, oy] = this.frameOf;
-    return [((x * sx + ox + 1) / 2) * this.canvas.width, ((1 - y * sy - oy) / 2) * this.canvas.height, z];
+    return [((x * sx + ox + 1) / 2) * this.wide, ((1 - y * sy - oy) / 2) * this.tall, z];
   }
+
+  get fineness() { return devicePixelRatio || 1; }  // pixels of the picture along one of the page
+
+  get normals() { return normals(this.points, this.triangles, this.same); }
 
   visible(piece) { return this.state.shown[piece.name === "pad" ? "skin" : piece.name]; }
 
   draw() {
+    this.paint();
+    this.write();
+  }
+
+  paint() {
     const { gl, record, data } = this, { shown, field } = this.state;
     this.look();
     this.points = this.places;
@@ -190,6 +207,7 @@ class Scene {
     this.fillAll();
     this.attribute("place", "places", 3);
     this.attribute("normal", "normals", 3);
+    if (this.closed) gl.enable(gl.CULL_FACE);
     for (const piece of record.pieces.filter((each) => this.visible(each))) {
       const pressed = piece.name === "pad" && shown.pressure && field !== "pressure";
       const scale = pressed ? press : span;
@@ -198,18 +216,18 @@ class Scene {
       else this.set(piece.flat || pressed ? FLAT : LIT, { span: [scale.low, scale.high], map: scale.colors });
       this.elements(gl.TRIANGLES, piece.from, this.triangles.subarray(3 * piece.from, 3 * piece.to));
     }
+    gl.disable(gl.CULL_FACE);
     this.attribute("value", null);
     this.attribute("normal", null);
     if (!shown["other half"]) this.drawLines();
     this.drawOrgans();
     if (shown.indenter) this.drawIndenter();
-    this.write();
   }
 
   fillAll() {
     const { shown } = this.state, { points, axis } = this.record.indenter, organs = this.marks;
     this.fill("places", this.points);
-    this.fill("normals", normals(this.points, this.triangles, this.same));
+    this.fill("normals", this.normals);
     this.fill("nodal", this.nodal);
     this.fill("pressure", this.values("pressure"));
     const toward = this.turn[2].map((x) => 0.03 * x);
@@ -264,8 +282,7 @@ class Scene {
   }
 
   write() {
-    const ratio = devicePixelRatio || 1, pen = this.paper.getContext("2d", PAPER), { data } = this, { shown, field } = this.state;
-    pen.scale(ratio, ratio);
+    const pen = sheet(this.paper), { data } = this, { shown, field } = this.state;
     pen.fillStyle = INK;
     const wide = this.paper.clientWidth - 28;
     this.words.forEach((words, row) => {
@@ -282,7 +299,7 @@ class Scene {
     if (pressed) this.bar(pen, right, lower, height, "pressure", data.pressure);
     if (rated) this.bar(pen, right - (pressed ? 130 : 0), lower, height, "rate", { low: 0, high: data.rate, colors: data.rates, unit: "Hz", extend: "neither" });
     const few = organs && organs.labels.length <= data.few;
-    if (few) this.label(pen, organs.labels, ratio, right - 12, top + 20);
+    if (few) this.label(pen, organs.labels, right - 12, top + 20);
   }
 
   bar(pen, x, y, height, name, { low, high, colors, unit, extend }) {
@@ -312,21 +329,21 @@ class Scene {
   }
 
   // Labels stand in a column on the right of all organs, or on their left where there is no room.
-  label(pen, labels, ratio, right, top) {
+  label(pen, labels, right, top) {
     const places = labels.map((words, k) => [words, ...this.project(this.organs, k)])
       .filter((place) => place[0]).sort((a, b) => a[2] - b[2]);
     pen.font = "13px system-ui, sans-serif";
     pen.strokeStyle = INK;
     pen.lineWidth = 0.8;
-    const across = places.map((place) => place[1] / ratio), aside = 60;
+    const across = places.map((place) => place[1]), aside = 60;
     const width = Math.max(...places.map(([words]) => pen.measureText(words).width)) + 10;
     const beyond = Math.max(...across) + aside, fits = beyond + width <= right;
     const end = fits ? beyond : Math.max(Math.min(...across) - aside, width);
-    this.uncross(places, ratio, end, top);
+    this.uncross(places, end, top);
     places.forEach(([words, x, y], row) => {
       const level = top + 22 * row, wide = pen.measureText(words).width + 10, left = fits ? end : end - wide;
       pen.beginPath();
-      pen.moveTo(x / ratio + (fits ? 6 : -6), y / ratio);
+      pen.moveTo(x + (fits ? 6 : -6), y);
       pen.lineTo(end, level);
       pen.stroke();
       pen.fillStyle = "rgba(255, 255, 255, 0.8)";
@@ -337,9 +354,9 @@ class Scene {
   }
 
   // Swaps places (words, x, y) whose lines to the column of labels cross, until none do.
-  uncross(places, ratio, across, top) {
+  uncross(places, across, top) {
     const side = (p, q, r) => (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-    const end = (row) => [across, top + 22 * row], start = (row) => [places[row][1] / ratio, places[row][2] / ratio];
+    const end = (row) => [across, top + 22 * row], start = (row) => places[row].slice(1, 3);
     for (let swapped = true; swapped;) {
       swapped = false;
       for (let i = 0; i < places.length; i++) for (let j = 0; j < i; j++) {
@@ -354,9 +371,9 @@ class Scene {
 
   // Returns the vertex next to the pointer that is seen there, and its place on the screen.
   under(event) {
-    const ratio = devicePixelRatio || 1, box = this.canvas.getBoundingClientRect();
-    const x = (event.clientX - box.left) * ratio, y = (event.clientY - box.top) * ratio;
-    let best = null, close = (14 * ratio) ** 2;
+    const box = this.canvas.getBoundingClientRect();
+    const x = event.clientX - box.left, y = event.clientY - box.top;
+    let best = null, close = 14 ** 2;
     for (const piece of this.record.pieces.filter((each) => each.name !== "bone" && this.visible(each))) {
       for (const k of new Set(this.triangles.subarray(3 * piece.from, 3 * piece.to))) {
         const [px, py, depth] = this.project(this.points, k), away = (px - x) ** 2 + (py - y) ** 2;

@@ -2,7 +2,9 @@
 const data = JSON.parse(element("data").textContent);
 const WINDOW = 4, RATED = 0.5;  // s on the charts, and s that rates are taken over
 const NOTCH = 0.03, KEY = 0.02, CLEAR = -0.5;  // shares of the most that a notch and a key add; mm of a lifted object
-const NEAR = 0.7, CHARTS = 60;  // pixels below which a point is left out; ms between two drawings of the charts
+const NEAR = 0.7, CHARTS = 60;  // pixels below which a point is left out; ms between two drawings of a chart
+const REST = 250, SLOW = 28, BATCH = 8;  // ms after which all is still; ms that a frame may take to be drawn; frames that are judged at once
+const COARSEST = 0.5, finest = () => Math.max(2, devicePixelRatio || 1);  // pixels of a picture along one of the page
 const MOST_CLICKS = 30;  // spikes of a frame that are heard
 const PITCH = { SAII: 330, SAI: 550, FAI: 880, FAII: 1320 };  // Hz
 const PARTS = ["skin", "subcutaneous tissue", "bone", "pressure", "end organs", "indenter"];
@@ -15,11 +17,44 @@ const states = {
 const socket = new WebSocket(location.href.replace(/^http/, "ws").replace(/#.*$/, "") + "socket");
 socket.binaryType = "arraybuffer";
 let shape = null, scenes = [], frame = null, requested = 0, wanted = null;
-let trace = [], spikes = [], charted = 0;
+let trace = [], spikes = [];
 const dragged = new Map();
 
+// How finely what moves is drawn: more coarsely where drawing delays the frames, and finer again where it does not,
+// after a while that doubles with every time that finer was too slow.
+const pace = {
+  fineness: finest(), slow: 0, count: 0, quick: 0, patience: 4,
+  note(taken) {
+    this.slow += taken > SLOW;
+    if (++this.count < BATCH) return;
+    const late = this.slow > 1;
+    [this.slow, this.count, this.quick] = [0, 0, late ? 0 : this.quick + 1];
+    if (late && this.fineness > COARSEST) {
+      this.fineness = Math.max(COARSEST, this.fineness / Math.SQRT2);
+      this.patience = Math.min(64, 2 * this.patience);
+    } else if (this.quick >= this.patience) {
+      this.fineness = Math.min(finest(), this.fineness * Math.SQRT2);
+      this.quick = 0;
+    }
+  },
+};
+
 class LiveScene extends Scene {
-  static context = { preserveDrawingBuffer: false };
+  static context = { preserveDrawingBuffer: false, antialias: false };  // at rest four pixels are one of the screen
+
+  get fineness() { return still ? finest() : pace.fineness; }
+
+  get hollow() { return this.state.shown["other half"] && this.turn[2][0] <= 0; }  // its cut end is seen
+
+  get closed() { return !this.hollow; }  // backs of triangles are not seen
+
+  get normals() { return (frame.normals ??= super.normals); }
+
+  // The whole finger hides its inside, but from the end that is cut off.
+  visible(piece) {
+    const inside = piece.flat || piece.name === "subcutaneous tissue" || piece.name === "bone";
+    return super.visible(piece) && !(inside && this.state.shown["other half"] && !this.hollow);
+  }
 
   get places() { return frame.places; }
 
@@ -50,7 +85,7 @@ const say = (text, bad = false) => {
 // The shape of a new finger; its arrays follow as the next binary message.
 function prepare(message, buffer) {
   shape = message;
-  frame = null;
+  frame = drawn = null;
   shape.pressure = shape.fields.pressure;
   shape.rates = null;
   scenes = ["section", "pad"].map((id) => {
@@ -92,22 +127,47 @@ function arrive(buffer) {
   trace = trace.slice(Math.max(0, trace.findIndex(([t]) => t >= since)));
   spikes = spikes.filter(([, t]) => t >= since);
   sound(frame.spikes);
-  if (!requested) requested = requestAnimationFrame(draw);
+  redraw();
+}
+
+let asked = 0, moved = 0, painted = 0;  // ms: when a picture was asked for, last changed by the hand, last drawn
+let drawn = null, still = false;  // the frame that is shown, null where it has to be drawn anew; all is at rest
+const renew = () => { drawn = null; redraw(); };
+
+function redraw() {
+  if (requested) return;
+  asked = performance.now();
+  requested = requestAnimationFrame(draw);
 }
 
 function draw() {
   requested = 0;
   if (!frame) return;
-  for (const scene of scenes) scene.draw();
-  if (performance.now() - charted > CHARTS) {
-    charted = performance.now();
-    charts();
-    tools();
-  }
   if (wanted) send({ kind: "move", ...wanted });
   wanted = null;
-  send({ kind: "drawn" });
+  send({ kind: "drawn" });  // the next frame is computed while this one is drawn
+  const now = performance.now(), driven = !drawn || frame.control !== drawn.control || differ("value", 0.001 * shape.most[frame.control]);
+  if (driven) {
+    const since = asked;
+    if (!still) setTimeout(() => pace.note(performance.now() - since));  // after the browser has drawn it
+    moved = now;
+  }
+  const rests = now - moved > REST, changed = driven || differ("depth", 0.001) || differ("force", 0.004 * shape.most.force);
+  if (rests ? !still || (changed && now - painted > REST) : changed) {
+    [still, drawn, painted] = [rests, frame, now];
+    for (const scene of scenes) scene.paint();
+  }
+  // Words and charts by turns, so that no frame bears all of them.
+  const due = written.filter((each) => now - each.at > CHARTS).sort((a, b) => a.at - b.at).slice(0, 2);
+  for (const each of due) {
+    each.at = now;
+    each.write();
+  }
 }
+
+const differ = (name, least) => Math.abs(frame[name] - drawn[name]) > least;
+
+const written = [() => scenes[0].write(), () => scenes[1].write(), timeChart, depthChart, rasterChart, tools].map((write) => ({ write, at: 0 }));
 
 function tools() {
   element("depth-now").textContent = `${frame.depth.toFixed(3)} mm`;
@@ -135,11 +195,7 @@ function rates() {
 
 // A canvas with axes: returns its pen, and functions from values to places.
 function axes(id, [x0, x1], [y0, y1], label, bottom) {
-  const canvas = element(id), ratio = devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
-  canvas.width = Math.round(wide * ratio);
-  canvas.height = Math.round(tall * ratio);
-  const pen = canvas.getContext("2d", PAPER);
-  pen.scale(ratio, ratio);
+  const canvas = element(id), pen = sheet(canvas), wide = canvas.clientWidth, tall = canvas.clientHeight;
   pen.font = "12px system-ui, sans-serif";
   pen.fillStyle = INK;
   const [left, right, top, below] = [44, wide - 10, 26, tall - 22];
@@ -175,20 +231,28 @@ function ticks({ pen, y, left }, values) {
   for (const value of values) pen.fillText(+value.toPrecision(2), left - 4, y(value) + 4);
 }
 
-function charts() {
-  const most = Math.max(1.1 * shape.most.force, ...trace.map((row) => row[2])), deepest = shape.most.depth;
-  const span = [frame.time - WINDOW, frame.time];
-  const first = axes("time", span, [0, most], "force / N, depth in gray", `last ${WINDOW} s`);
-  line(first, trace.map(([t, depth]) => [t, (depth / deepest) * most]), "#8b98a5");
-  line(first, trace.map(([t, , force]) => [t, force]), "#0b5c8e");
-  ticks(first, [0, most / 2, most]);
-  const second = axes("depths", [Math.min(0, CLEAR / 2), deepest], [0, most], "force / N", `depth / mm, to ${deepest}`);
-  line(second, trace.map(([, depth, force]) => [depth, force]), "#0b5c8e");
-  raster(axes("raster", span, [0, shape.types.length], `${shape.types.length} units`, `last ${WINDOW} s`));
+const span = () => [frame.time - WINDOW, frame.time];
+const most = () => Math.max(1.1 * shape.most.force, ...trace.map((row) => row[2]));
+
+function timeChart() {
+  const high = most(), deepest = shape.most.depth;
+  const chart = axes("time", span(), [0, high], "force / N, depth in gray", `last ${WINDOW} s`);
+  line(chart, trace.map(([t, depth]) => [t, (depth / deepest) * high]), "#8b98a5");
+  line(chart, trace.map(([t, , force]) => [t, force]), "#0b5c8e");
+  ticks(chart, [0, high / 2, high]);
+}
+
+function depthChart() {
+  const deepest = shape.most.depth;
+  const chart = axes("depths", [Math.min(0, CLEAR / 2), deepest], [0, most()], "force / N", `depth / mm, to ${deepest}`);
+  line(chart, trace.map(([, depth, force]) => [depth, force]), "#0b5c8e");
+  chart.pen.fillStyle = "#0b5c8e";
+  chart.pen.fillRect(chart.x(frame.depth) - 2, chart.y(frame.force) - 2, 4, 4);  // now
 }
 
 // A tick a spike, the units of a type together.
-function raster(chart) {
+function rasterChart() {
+  const chart = axes("raster", span(), [0, shape.types.length], `${shape.types.length} units`, `last ${WINDOW} s`);
   const { pen, x, y, left, top, below } = chart;
   const rows = shape.types.map((kind, unit) => [Object.keys(data.colors).indexOf(kind), unit]).sort((a, b) => b[0] - a[0] || a[1] - b[1]);
   const row = [];
@@ -244,7 +308,7 @@ const held = (id) => document.activeElement === element(id) && element(id).match
 function aim(name, value) {
   const [low, high] = reach(name);
   wanted = { control: name, value: Math.min(high, Math.max(low, value)) };
-  if (!requested) requested = requestAnimationFrame(draw);
+  redraw();
 }
 
 function push(share) {
@@ -283,7 +347,7 @@ function dragTo(scene, id, event) {
     const { view } = states[id];
     view.yaw -= (dx * 0.008) / dragged.size;
     view.pitch = Math.max(-1.55, Math.min(1.55, view.pitch + (dy * 0.008) / dragged.size));
-    if (!requested) requested = requestAnimationFrame(draw);
+    renew();
     return;
   }
   // Pixels that a mm along the object's travel takes on the screen.
@@ -303,11 +367,13 @@ for (const id of ["section", "pad"]) {
   box.addEventListener("pointermove", (event) => { if (dragged.has(event.pointerId)) dragTo(scene(), id, event); });
   for (const end of ["pointerup", "pointercancel"]) box.addEventListener(end, (event) => dragged.delete(event.pointerId));
   box.addEventListener("contextmenu", (event) => event.preventDefault());
-  box.addEventListener("dblclick", () => { Object.assign(states[id].view, HOMES[id]); });
+  box.addEventListener("dblclick", () => { Object.assign(states[id].view, HOMES[id]); renew(); });
   box.addEventListener("wheel", (event) => {
     event.preventDefault();
-    if (event.ctrlKey || id === "pad") states[id].view.zoom *= Math.exp(-event.deltaY * 0.001);
-    else push(-NOTCH * Math.sign(event.deltaY));
+    if (event.ctrlKey || id === "pad") {
+      states[id].view.zoom *= Math.exp(-event.deltaY * 0.001);
+      renew();
+    } else push(-NOTCH * Math.sign(event.deltaY));
   }, { passive: false });
 }
 element("section").addEventListener("keydown", (event) => {
@@ -352,7 +418,11 @@ form.addEventListener("submit", (event) => {
 });
 fill(data.setup);
 
-document.addEventListener("visibilitychange", () => send({ kind: "pause", on: document.hidden }));
+addEventListener("resize", renew);
+document.addEventListener("visibilitychange", () => {
+  send({ kind: "pause", on: document.hidden });
+  renew();
+});
 socket.addEventListener("open", () => { if (document.hidden) send({ kind: "pause", on: true }); });
 socket.addEventListener("close", () => { if (!element("status").classList.contains("warning")) say("The connection has ended; load this page again, or start fefinger live anew.", true); });
 let awaited = null, last = null;  // a shape whose arrays follow; the last JSON message
