@@ -83,7 +83,11 @@ def test_it_is_pressed_by_mouse_and_keys_and_what_is_saved_is_repeated(tmp_path:
 
 def test_pictures_are_coarser_while_drawing_is_slow_and_fine_again_at_rest(tmp_path: Path) -> None:
     async def work(tab: Tab, server: Server) -> None:
-        frames = "for (let k = 0; k < 100; k++) pace.note({}); drawn = null; draw();"
+        twice = "for (let k = 0; k < 2; k++) { drawn = null; draw(); }"  # one picture at a time
+
+        def frames(taken: float) -> str:
+            return f"for (let k = 0; k < 100; k++) pace.note({taken});" + twice
+
         pixels = "scenes.map(({{ canvas }}) => Math.round({} * canvas.clientWidth))"
         width = "scenes.map(({ canvas }) => canvas.width)"
 
@@ -91,12 +95,12 @@ def test_pictures_are_coarser_while_drawing_is_slow_and_fine_again_at_rest(tmp_p
             widths, wanted = await tab.value(f"{script} [{width}, {pixels.format(number)}]")
             assert widths == wanted
 
-        await after(frames.format(100), 0.5)
-        await after("pace.patience = 1;" + frames.format(5), 2)
-        await after(frames.format(100), 0.5)
+        await after(frames(100), 0.5)
+        await after("pace.patience = 1;" + frames(5), 2)
+        await after(frames(100), 0.5)
         await tab.until("still")
         await after("", 2)
-        await after("pace.note = () => {}; drawn = null; draw();", 0.5)
+        await after("pace.note = () => {};" + twice, 0.5)
 
     shown(work, tmp_path)
 

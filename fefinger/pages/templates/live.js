@@ -131,6 +131,7 @@ function arrive(buffer) {
 }
 
 let asked = 0, moved = 0, painted = 0;  // ms: when a picture was asked for, last changed by the hand, last drawn
+let turn = 0;  // the picture that is drawn next, where one is at a time
 let drawn = null, still = false;  // the frame that is shown, null where it has to be drawn anew; all is at rest
 const renew = () => { drawn = null; redraw(); };
 
@@ -155,7 +156,10 @@ function draw() {
   const rests = now - moved > REST, changed = driven || differ("depth", 0.001) || differ("force", 0.004 * shape.most.force);
   if (rests ? !still || (changed && now - painted > REST) : changed) {
     [still, drawn, painted] = [rests, frame, now];
-    for (const scene of scenes) scene.paint();
+    // Section and pad by turns where both at once would be slow.
+    const both = still || pace.fineness >= 1;
+    turn = 1 - turn;
+    for (const scene of both ? scenes : [scenes[turn]]) scene.paint();
   }
   // Words and charts by turns, so that no frame bears all of them.
   const due = written.filter((each) => now - each.at > CHARTS).sort((a, b) => a.at - b.at).slice(0, 2);
