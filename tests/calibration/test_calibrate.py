@@ -43,14 +43,20 @@ OF_AH = ("none.csv", "--subject", "a.h.")
 PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 
-def record_of(one, factor, x0, noise=3e-3, give=0.0, lag=0.0):
+@pytest.fixture
+def plain_rig(monkeypatch):
+    """Leave out the fits of what rigs rarely do, where they are not the question."""
+    monkeypatch.setattr(search, "with_rare", lambda result, *_: result)
+
+
+def record_of(one, factor, x0, noise=3e-3, give=0.0, lag=0.0, end=5.0):
     """Return a ramp and hold (n_t, 3) of a finger, with noise like that of the thesis.
 
     give: mm/N of the rig between the motor, whose position is recorded, and the skin; lag:
     s of a low-pass before the noise.
     """
-    time = np.concatenate([np.arange(0, 0.033, 2e-4), 0.033 + np.geomspace(2e-4, 5, 900)])
-    even = np.arange(0, 5, 4e-4)
+    time = np.concatenate([np.arange(0, 0.033, 2e-4), 0.033 + np.geomspace(2e-4, 5, 400)])
+    even = np.arange(0, end, 4e-4)
     position = np.minimum(60 * time, 1.98)
     finger = ForceLaw(one, PRONY, factor)
     pressed = finger.predicted(time, position - x0)
@@ -64,7 +70,7 @@ def record_of(one, factor, x0, noise=3e-3, give=0.0, lag=0.0):
 
 def wave_on(one, factor, x0):
     """Return a table of time s, position mm and force N of a sinusoid about a depth."""
-    time = np.arange(0, 1, 5e-4)
+    time = np.arange(0, 0.6, 1e-3)
     position = x0 + np.minimum(20 * time, 1.0) + 0.2 * np.sin(25 * time)
     force = ForceLaw(one, PRONY, factor).predicted(time, position - x0)
     return np.column_stack([time, position, force])
@@ -124,17 +130,16 @@ def test_a_record_is_calibrated_and_a_sinusoid_predicted(fitted):
 def test_condensed_presses_by_the_object_of_the_record(
     tmp_path, monkeypatch, solved, linear, write
 ):
-    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4))
-    answer, objects = press_store.small, []
+    press = write(tmp_path / "press.csv", record_of(linear.at(0.9, 14.0), 1.3, 0.4, end=2.0))
 
     def small(finger, indenter):
-        objects.append(indenter)
-        return answer(finger, indenter)
+        raise ConvergenceError(repr(indenter))
 
     monkeypatch.setattr(press_store, "small", small)
     how = {"finger": targets.finger_of("a.h."), "mechanics": "condensed"}
-    ff.calibrate(press, indenter=ff.Sphere(5), **how)
-    assert set(objects) == {ff.Sphere(5)}
+    with pytest.raises(ConvergenceError) as asked:
+        ff.calibrate(press, indenter=ff.Sphere(5), **how)
+    assert str(asked.value) == repr(ff.Sphere(5))
     monkeypatch.setattr(slow_press, "press", lambda finger, mechanics, indenter: indenter)
     assert slow_press.small(how["finger"], ff.Sphere(5)) == ff.Sphere(5)
 
@@ -155,6 +160,7 @@ def test_a_finger_that_does_not_show_its_record_is_no_calibration(fitted):
         refuse_gross(many, replace(wanted, lumped=replace(wanted.lumped, warnings=())))
 
 
+@pytest.mark.usefixtures("plain_rig")
 def test_a_record_without_noise_is_calibrated_within_the_error_of_one_g(
     tmp_path, solved, law, write
 ):
@@ -169,19 +175,22 @@ def test_a_record_without_noise_is_calibrated_within_the_error_of_one_g(
     assert found["exponent"].value == pytest.approx(2.4, abs=0.3)
 
 
-def test_what_a_rig_does_is_found_beside_the_finger(tmp_path, solved, law, write):
+def test_finger_and_rig_are_found_through_solid(tmp_path, solved, law, write):
     """A force 2 ms late, with an offset of 30 mN and a drift of 8 mN/s."""
     table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
     table[5:, 2] = table[:-5, 2].copy()
     table[:, 2] += 0.03 + 8e-3 * table[:, 0]
     press = write(tmp_path / "press.csv", table)
     found = ff.calibrate(press, finger=targets.finger_of("a.h."), resolution="coarse")
-    truth = {"exponent": 2.4, "x0": 0.4, "delay": 2.0, "offset": 30.0, "drift": 8.0, "c0": 0.3}
-    for name, value in truth.items():
+    assert {each[:3] for each in solved} == {("solid", "coarse", 14.0)}
+    truth = {"exponent": 2.4, "modulus": 0.7 * 34, "x0": 0.4, "c0": 0.3}
+    for name, value in (truth | {"delay": 2.0, "offset": 30.0, "drift": 8.0}).items():
         assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
     assert found["exponent"].sd < 0.1
     assert found["delay"].sd < 0.05
     assert found["offset"].sd < 2
+    for said in ("skin_ratio", "one G relaxes the force", "take the pad radius as known"):
+        assert any(said in each for each in found.unidentified)
 
 
 @pytest.mark.parametrize(
@@ -205,6 +214,7 @@ def test_what_rigs_rarely_do_is_recognized_told_with_its_number_and_fitted(
     assert words.removesuffix(": ") in [name for _, name in found.presses[0].marks]
 
 
+@pytest.mark.usefixtures("plain_rig")
 def test_a_ball_and_a_plate_are_fitted_together_and_another_ball_is_predicted(
     tmp_path, solved, law, write, ball_law
 ):
@@ -215,7 +225,8 @@ def test_a_ball_and_a_plate_are_fitted_together_and_another_ball_is_predicted(
         (ball_law(5.0), 0.6, "ball"),
         (ball_law(3.0), 0.3, "other"),
     ):
-        table = record_of(one.at(2.4, 14.0), 0.7, x0, noise=3e-3 * (name != "other"))
+        seen = {"noise": 0.0, "end": 0.2} if name == "other" else {}
+        table = record_of(one.at(2.4, 14.0), 0.7, x0, **seen)
         files.append(write(tmp_path / f"{name}.csv", table))
     objects = [ff.Flat(30), ff.Sphere(5.0), ff.Sphere(3.0)]
     found = ff.calibrate(
@@ -247,6 +258,7 @@ def test_objects_that_do_not_fit_the_records_are_refused(given, monkeypatch, tmp
         ff.calibrate("press.csv", finger=ff.Finger(15.0, 11.0), **given)
 
 
+@pytest.mark.usefixtures("plain_rig")
 def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
     tmp_path, solved, linear, write
 ):
@@ -254,7 +266,7 @@ def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
     finger, files = ForceLaw(linear.at(0.9, 14.0), PRONY, 1.3), []
     rng = np.random.default_rng(2)
     for speed, x0, offset in ((60.0, 0.4, 0.02), (15.0, 0.5, -0.01), (30.0, 0.4, 0.03)):
-        time = np.arange(0.0, 2.0, 4e-4)
+        time = np.arange(0.0, 2.0 if speed != 30.0 else 0.4, 4e-4)
         path = np.clip(speed * (time - 0.05), 0.0, 1.9)
         force = np.interp(time - 8e-4, time, finger.loading(time, path - x0)) + offset
         off = 3e-3 * rng.normal(size=(2, len(time))) * (speed != 30.0)
@@ -272,6 +284,7 @@ def test_presses_at_two_speeds_are_fitted_together_and_a_third_is_predicted(
         ff.calibrate([], finger=of_ah)
 
 
+@pytest.mark.usefixtures("plain_rig")
 def test_a_record_that_shows_fewer_terms_is_calibrated(
     tmp_path, solved, linear, write, monkeypatch
 ):
@@ -285,22 +298,6 @@ def test_a_record_that_shows_fewer_terms_is_calibrated(
     found = ff.calibrate(press, finger=targets.finger_of("a.h."), mechanics="condensed")
     assert found["t_m"].value == pytest.approx(0.9, abs=0.1)
     assert any("converges with 2 of 3 terms only" in each for each in found.unidentified)
-
-
-def test_a_record_is_calibrated_through_solid(tmp_path, solved, law, write):
-    table = record_of(law.at(2.4, 14.0), 0.7, 0.4)
-    found = ff.calibrate(
-        write(tmp_path / "press.csv", table),
-        finger=targets.finger_of("a.h."),
-        resolution="coarse",
-    )
-    assert {each[:3] for each in solved} == {("solid", "coarse", 14.0)}
-    for name, value in {"exponent": 2.4, "modulus": 0.7 * 34, "x0": 0.4, "c0": 0.3}.items():
-        assert found[name].value == pytest.approx(value, abs=3 * found[name].sd)
-    assert found["exponent"].sd < 0.2
-    assert any("skin_ratio" in said for said in found.unidentified)
-    assert any("one G relaxes the force" in said for said in found.unidentified)
-    assert any("take the pad radius as known" in said for said in found.unidentified)
 
 
 def test_a_subject_is_calibrated_through_solid(tmp_path, solved):
@@ -545,6 +542,8 @@ def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_wha
         ends = 0.96 * deep if resolution == "standard" and not asked else deep
         if resolution == "standard":
             asked.append((deep, ends))
+        if len(asked) == 2 and needed > asked[0][1]:
+            raise ConvergenceError("asked twice")
         found = formula(exponent or 1.0, radius, ratio, deepest=ends)
         found = replace(found, halt="" if ends == deep else "too many factors")
         self._note(replace(self.finger, resolution=resolution, pad_radius=radius), found)
@@ -552,11 +551,13 @@ def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_wha
 
     monkeypatch.setattr(press_store.Work, "press", press)
     monkeypatch.setattr(SubjectTarget, "reach", lambda *_: needed)
-    found = calibrate_subject("a.h.")
-    assert len(asked) > 1
-    assert asked[1][0] == pytest.approx(asked[0][1] if needed < asked[0][1] else asked[0][0])
-    if needed > asked[0][1]:
+    if needed == 3.0:
+        with pytest.raises(ConvergenceError, match="asked twice"):
+            calibrate_subject("a.h.")
+        assert asked[1][0] == pytest.approx(asked[0][0])
         return
+    found = calibrate_subject("a.h.")
+    assert asked[1][0] == pytest.approx(asked[0][1])
     said = " ".join(found.unidentified)
     assert "the press on the standard mesh" in said
     assert "ended early, at" in said
