@@ -13,6 +13,8 @@ in question are compressed into a block with three rows for each of them. The ou
 Python, as numba takes half a minute to compile all of it.
 """
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 from scipy.linalg import lapack
 
@@ -36,13 +38,15 @@ from fefinger.support.arrays import Array, Integers
 NONE, NO_INVERSE, NO_CODES = np.empty(0), np.empty((0, 0)), np.empty(0, dtype=np.int64)
 
 
-class CoulombSolver:
+class CoulombIteration(ABC):
     """Solver of contact with friction on n vertices; it starts from its last solution.
+
+    A subclass knows F (3n, 3n).
 
     Parameters
     ----------
-    flexibility
-        F (3n, 3n).
+    n
+        Number of vertices.
     mu
         Coefficient of every vertex at first.
 
@@ -60,15 +64,12 @@ class CoulombSolver:
         Of the last solution.
     """
 
-    def __init__(self, flexibility: Array, mu: float) -> None:
-        n = len(flexibility) // 3
-        # A copy: numba compiles read-only arrays as another type, which takes seconds.
-        self.flexibility = np.array(flexibility, order="C")
+    def __init__(self, n: int, mu: float) -> None:
         self.x, self.moved, self.mu = np.zeros(3 * n), np.zeros(3 * n), np.full(n, float(mu))
         self.where, self.place = np.zeros(n, dtype=np.int64), np.full(n, -1, dtype=np.int64)
         self.counts, self.residual = np.zeros(4, dtype=np.int64), 0.0
         self._block = Block(np.zeros((3 * n, 3 * n)), np.zeros(n), *np.zeros((3, 3 * n)))
-        self._index, self._work = np.zeros((2, 3 * n), dtype=np.int64), np.zeros(3 * n)
+        self._index = np.zeros(3 * n, dtype=np.int64)
         (vertex, code), entries = np.zeros((2, 3 * n), dtype=np.int64), np.zeros((2, 3 * n, 3))
         self._unknowns = Unknowns(vertex, code, entries[0], entries[1], np.zeros(3 * n))
         self._forget()
@@ -85,7 +86,7 @@ class CoulombSolver:
         rounds = 60  # in each of which vertices join
         for number in range(rounds):
             out = np.flatnonzero((self.place < 0) & (self.moved[:n] + offset[:n] < least))
-            if not (self.flexibility[out, out] > 0.0).all():
+            if not self._gives_way(out):
                 return SINGULAR
             if len(out):
                 self._join(out)
@@ -114,11 +115,8 @@ class CoulombSolver:
         k = start + len(vertices)
         self.where[start:k], self.place[vertices] = vertices, np.arange(start, k)
         self.counts[K] = k
-        index, matrix = self._index[0, : 3 * k], self._block.matrix
-        index[3 * start :] = (vertices[:, None] + n * np.arange(3)).ravel()
-        rows = self.flexibility[np.ix_(index[3 * start :], index)]
-        matrix[3 * start : 3 * k, : 3 * k] = rows
-        matrix[: 3 * k, 3 * start : 3 * k] = rows.T
+        self._index[3 * start : 3 * k] = (vertices[:, None] + n * np.arange(3)).ravel()
+        self._fill(start)
 
     def _leave(self, at: int) -> None:
         """Remove the vertex at a position from the block: the last one takes its place."""
@@ -129,7 +127,7 @@ class CoulombSolver:
             matrix = self._block.matrix
             matrix[here] = matrix[there]
             matrix[:, here] = matrix[:, there]
-            self._index[0, here] = self._index[0, there]
+            self._index[here] = self._index[there]
             self.where[at] = self.where[last]
             self.place[self.where[at]] = at
         self.counts[K] = last
@@ -137,19 +135,31 @@ class CoulombSolver:
     def _unload(self) -> None:
         """Write the block into x; vertices without pressure leave it."""
         k = int(self.counts[K])
-        self.x[self._index[0, : 3 * k]] = self._block.x[: 3 * k]
+        self.x[self._index[: 3 * k]] = self._block.x[: 3 * k]
         at = 0 if (self._block.x[: 3 * k : 3] <= 0.0).any() else k
         while at < self.counts[K]:
             if self.x[self.where[at]] > 0.0:
                 at += 1
             else:
                 self._leave(at)
-        combine(self.moved, self.flexibility, self.x, self._index[1], self._work)
+        self._multiply()
+
+    @abstractmethod
+    def _gives_way(self, vertices: Integers) -> bool:
+        """Whether the diagonal of F is above 0 for the pressures of vertices."""
+
+    @abstractmethod
+    def _fill(self, start: int) -> None:
+        """Copy F into the block, for its vertices from position `start` on."""
+
+    @abstractmethod
+    def _multiply(self) -> None:
+        """Compute `moved`."""
 
     def _settle(self, offset: Array) -> bool:
         """Find the iterate that no projection changes; False if that does not happen."""
         s, k = self._block, int(self.counts[K])
-        index = self._index[0, : 3 * k]
+        index = self._index[: 3 * k]
         s.constant[: 3 * k], s.x[: 3 * k] = offset[index], self.x[index]
         s.mu[:k] = self.mu[self.where[:k]]
         load(s, k)
@@ -185,3 +195,26 @@ class CoulombSolver:
             return NONE
         self._kept, self._inverse = self._unknowns.code[:q].copy(), inverse
         return values
+
+
+class CoulombSolver(CoulombIteration):
+    """Solver with a flexibility F (3n, 3n); the rest as of `CoulombIteration`."""
+
+    def __init__(self, flexibility: Array, mu: float) -> None:
+        super().__init__(len(flexibility) // 3, mu)
+        # A copy: numba compiles read-only arrays as another type, which takes seconds.
+        self.flexibility = np.array(flexibility, order="C")
+        self._chosen, self._work = np.zeros_like(self._index), np.zeros_like(self.x)
+
+    def _gives_way(self, vertices: Integers) -> bool:
+        return bool((self.flexibility[vertices, vertices] > 0.0).all())
+
+    def _fill(self, start: int) -> None:
+        k, matrix = int(self.counts[K]), self._block.matrix
+        index = self._index[: 3 * k]
+        rows = self.flexibility[np.ix_(index[3 * start :], index)]
+        matrix[3 * start : 3 * k, : 3 * k] = rows
+        matrix[: 3 * k, 3 * start : 3 * k] = rows.T
+
+    def _multiply(self) -> None:
+        combine(self.moved, self.flexibility, self.x, self._chosen, self._work)

@@ -113,21 +113,21 @@ def _triangle(
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
-def moved(compliance: Floats, traction: Array, m: Work, out: Array) -> None:
-    """Compute A t at the near vertices; t (3n,) is zero at most others.
+def moved(compliance: Floats, traction: Array, near: Integers, out: Array) -> None:
+    """Compute A t at near vertices; t (3n,) is zero at most others.
 
     compliance A (3n, 3n) mm³/kPa of the relaxed body, for the components x, y, z of each vertex in
     turn.
     """
-    n = len(m.gap)
+    n = len(traction) // 3
     loaded, k = np.empty(n, dtype=np.int64), 0
     for j in range(n):
         if traction[3 * j] != 0.0 or traction[3 * j + 1] != 0.0 or traction[3 * j + 2] != 0.0:
             loaded[k] = j
             k += 1
-    for a in range(m.found[0]):
+    for i in near:
         for c in range(3):
-            row, total = compliance[3 * m.listed[a] + c], 0.0
+            row, total = compliance[3 * i + c], 0.0
             for b in range(k):
                 j = 3 * loaded[b]
                 total += (
@@ -135,7 +135,7 @@ def moved(compliance: Floats, traction: Array, m: Work, out: Array) -> None:
                     + row[j + 1] * traction[j + 1]
                     + row[j + 2] * traction[j + 2]
                 )
-            out[3 * m.listed[a] + c] = total
+            out[3 * i + c] = total
 
 
 @njit(cache=True)
@@ -155,35 +155,26 @@ def frames(frame: Array, m: Work) -> None:
 
 
 @njit(cache=True, fastmath={"contract"})
-def project(flexibility: Array, compliance: Floats, frame: Array, m: Work) -> None:
-    """Set the rows and columns of near vertices to F = d . A . d, in each of their directions."""
-    n, turned = len(m.gap), np.empty((3, 3))
-    components = len(flexibility) // n
-    for j in range(n):  # what is near no more takes no part
+def project(flexibility: Array, compliance: Floats, direction: Array, m: Work) -> None:
+    """Set the rows and columns of near vertices to F = d . A . d, d (n, 3) the directions."""
+    for j in range(len(m.gap)):  # what is near no more takes no part
         if not m.near[j] and flexibility[j, j] != 0.0:
-            for a in range(components):
-                flexibility[a * n + j] = 0.0
-                flexibility[:, a * n + j] = 0.0
+            flexibility[j] = 0.0
+            flexibility[:, j] = 0.0
     for p in range(m.found[0]):
         i = m.listed[p]
         r0, r1, r2 = compliance[3 * i], compliance[3 * i + 1], compliance[3 * i + 2]
+        x, y, z = direction[i, 0], direction[i, 1], direction[i, 2]
         for q in range(p + 1):
             j = m.listed[q]
             k = 3 * j
-            for a in range(components):
-                x, y, z = frame[a, i, 0], frame[a, i, 1], frame[a, i, 2]
-                turned[a, 0] = x * r0[k] + y * r1[k] + z * r2[k]
-                turned[a, 1] = x * r0[k + 1] + y * r1[k + 1] + z * r2[k + 1]
-                turned[a, 2] = x * r0[k + 2] + y * r1[k + 2] + z * r2[k + 2]
-            for a in range(components):
-                for b in range(components):
-                    value = (
-                        turned[a, 0] * frame[b, j, 0]
-                        + turned[a, 1] * frame[b, j, 1]
-                        + turned[a, 2] * frame[b, j, 2]
-                    )
-                    flexibility[a * n + i, b * n + j] = value
-                    flexibility[b * n + j, a * n + i] = value
+            value = (
+                (x * r0[k] + y * r1[k] + z * r2[k]) * direction[j, 0]
+                + (x * r0[k + 1] + y * r1[k + 1] + z * r2[k + 1]) * direction[j, 1]
+                + (x * r0[k + 2] + y * r1[k + 2] + z * r2[k + 2]) * direction[j, 2]
+            )
+            flexibility[i, j] = value
+            flexibility[j, i] = value
 
 
 @njit(cache=True)

@@ -197,12 +197,13 @@ def prepare(
     nearest(pad, shapes, rotation, place, out.touched[w], out.frame[w, 0], m, near)
     gaps(pad, shapes, rotation, place, out.touched[w], out.hit[w], m, near)
     g = _history(pad, s.terms[w], s.elastic[w], move.dt, m.past)
-    moved(compliance, m.past, m, m.moved)
+    skin = m.listed[: m.found[0]]
+    moved(compliance, m.past, skin, m.moved)
     if len(m.offset) > len(m.gap):  # with friction
         if not s.stepped[w]:  # an object comes to be where it is without having slid there
             _put(s, w, rotation, place)
         frames(out.frame[w], m)
-        moved(compliance, s.linear[w], m, m.held)
+        moved(compliance, s.linear[w], skin, m.held)
     return g, stiffening(move.factors, pad, out.frame[w, 0], m)
 
 

@@ -6,14 +6,12 @@ object than at the pose of a rigid one; the factor t and what is read as the dep
 skin alone, so that t is found with the pressure.
 """
 
-import numpy as np
-
 from fefinger.contact import active_set
 from fefinger.contact.active_set import DONE, ENDLESS, K, LcpState
-from fefinger.contact.coulomb import CoulombSolver
 from fefinger.contact.pad_gaps import project, stiffening
 from fefinger.contact.pad_worlds import UNSOLVED, Moves, Pad, Readings, Softness, Work, Worlds
 from fefinger.contact.posed import accept, load, prepare
+from fefinger.contact.posed_coulomb import PosedCoulomb
 from fefinger.support.arrays import Array, Flags, Floats, Integers
 from fefinger.support.compiled import njit
 from fefinger.support.tolerances import COMPLEMENTARITY
@@ -117,7 +115,7 @@ def step_without_friction(
     """
     for w in range(first, last):
         g, t = prepare(compliance, pad, move, s, out, m, w, NEAR)
-        project(solver.flexibility, compliance, out.frame[w], m)
+        project(solver.flexibility, compliance, out.frame[w, 0], m)
         if kept:
             deactivate(solver, m.near)
         else:
@@ -166,9 +164,7 @@ def activate(solver: LcpState, x: Array, active: Flags, near: Flags) -> None:
 
 @njit(cache=True, nogil=True)
 def _open(
-    flexibility: Array,
     x: Array,
-    product: Array,
     where: Integers,
     compliance: Floats,
     pad: Pad,
@@ -178,13 +174,12 @@ def _open(
     m: Work,
     w: int,
 ) -> tuple[float, float, int]:
-    """Set up the problem with friction of a world: F, its right side, the last x and F x.
+    """Set up the problem with friction of a world: its right side, and the last x.
 
     Returns g, t and the number of vertices in contact, which are listed in `where`.
     """
     n, k = len(m.gap), 0
     g, t = prepare(compliance, pad, move, s, out, m, w, NEAR_RUBBED)
-    project(flexibility, compliance, out.frame[w], m)
     load(
         *(pad, move.rotation[w], move.place[w], s.rotation[w], s.place[w]),
         *(out.touched[w], out.frame[w], m, g * t),
@@ -196,12 +191,11 @@ def _open(
         if on:
             where[k] = j
             k += 1
-    active_set.combine(product, flexibility, x, np.empty(3 * n, dtype=np.int64), np.empty(3 * n))
     return g, t, k
 
 
 def step_with_friction(
-    solver: CoulombSolver,
+    solver: PosedCoulomb,
     compliance: Floats,
     pad: Pad,
     move: Moves,
@@ -217,9 +211,9 @@ def step_with_friction(
     The solver runs in Python between compiled parts, so that threads wait for each other there.
     """
     for w in range(first, last):
-        known = solver.flexibility, solver.x, solver.moved, solver.where, compliance, pad
-        g, t, solver.counts[K] = _open(*known, move, s, out, m, w)
-        solver.rebuild()
+        known = solver.x, solver.where, compliance, pad
+        g, t, count = _open(*known, move, s, out, m, w)
+        solver.begin(out.frame[w], m, count)
         if solver.solve(m.offset, COMPLEMENTARITY) != DONE:
             out.verdict[w] = UNSOLVED
             continue

@@ -152,6 +152,65 @@ def distances(s: Shapes, b: int, points: Array) -> Array:
 
 
 @njit(cache=True)
+def _straight(
+    kind: int,
+    radius: float,
+    x: float,
+    y: float,
+    z: float,
+    u: float,
+    v: float,
+    w: float,
+    reach: float,
+) -> tuple[bool, float, float, float, float]:
+    """Follow a ray to a sphere or a plane, as `_followed`, in closed form."""
+    if kind == PLANE:
+        far = -z / w if w < 0.0 else np.inf
+        return far <= reach, far, 0.0, 0.0, 1.0
+    along, outside = x * u + y * v + z * w, x * x + y * y + z * z - radius * radius
+    square = along * along - outside
+    if square < 0.0 or (along > 0.0 and outside > 0.0):
+        return False, reach, 0.0, 0.0, 0.0
+    far = -along - np.sqrt(square)
+    return far <= reach, far, (x + far * u) / radius, (y + far * v) / radius, (z + far * w) / radius
+
+
+@njit(cache=True)
+def _followed(
+    s: Shapes,
+    b: int,
+    x: float,
+    y: float,
+    z: float,
+    u: float,
+    v: float,
+    w: float,
+    reach: float,
+) -> tuple[bool, float, float, float, float]:
+    """Follow a ray from (x, y, z) along (u, v, w), in the frame of object `b`.
+
+    Returns whether it comes to the surface within `reach` mm, after how many mm, and the gradient
+    of the distance there.
+    """
+    # As `distance`, without the cost of passing all arrays at each step.
+    kind, p, q, e, edge = s.kind[b], s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]
+    far = d = gx = gy = gz = 0.0
+    for _ in range(STEPS):
+        if kind == SAMPLED:
+            d, gx, gy, gz = _sampled(s, b, x + far * u, y + far * v, z + far * w)
+        else:
+            d, gx, gy, gz = _known(kind, p, q, e, edge, x + far * u, y + far * v, z + far * w)
+        slope = gx * u + gy * v + gz * w
+        # Where the ray grazes, a step of the distance itself stays on this side of the surface.
+        far += d / -slope if slope < -STEEP else d
+        if abs(d) < CLOSE:
+            return True, far, gx, gy, gz
+        if far > reach:
+            break
+    return False, reach, 0.0, 0.0, 0.0
+
+
+@njit(cache=True, inline="always")
 def ray(
     s: Shapes,
     b: int,
@@ -177,22 +236,12 @@ def ray(
     u = r00 * normal[0] + r10 * normal[1] + r20 * normal[2]
     v = r01 * normal[0] + r11 * normal[1] + r21 * normal[2]
     w = r02 * normal[0] + r12 * normal[1] + r22 * normal[2]
-    # As `distance`, without the cost of passing all arrays at each step.
-    kind, p, q, e, edge = s.kind[b], s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]
-    far = d = gx = gy = gz = slope = 0.0
-    for _ in range(STEPS):
-        if kind == SAMPLED:
-            d, gx, gy, gz = _sampled(s, b, x + far * u, y + far * v, z + far * w)
-        else:
-            d, gx, gy, gz = _known(kind, p, q, e, edge, x + far * u, y + far * v, z + far * w)
-        slope = gx * u + gy * v + gz * w
-        # Where the ray grazes, a step of the distance itself stays on this side of the surface.
-        far += d / -slope if slope < -STEEP else d
-        if abs(d) < CLOSE:
-            break
-        if far > reach:
-            return False, reach, 0.0, 0.0, 0.0
-    if abs(d) >= CLOSE or slope > -GRAZING:
+    kind = s.kind[b]
+    if kind in (SPHERE, PLANE):
+        hit, far, gx, gy, gz = _straight(kind, s.size[b, 0], x, y, z, u, v, w, reach)
+    else:
+        hit, far, gx, gy, gz = _followed(s, b, x, y, z, u, v, w, reach)
+    if not hit or gx * u + gy * v + gz * w > -GRAZING:
         return False, reach, 0.0, 0.0, 0.0
     nx = r00 * gx + r01 * gy + r02 * gz
     ny = r10 * gx + r11 * gy + r12 * gz

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fefinger.contact import active_set, pad_gaps, pad_worlds, posed_steps
-from fefinger.contact.coulomb import CoulombSolver
 from fefinger.contact.elastic_kernel import flexibility
 from fefinger.contact.pad_worlds import UNSOLVED, Factors, Moves, Softness
+from fefinger.contact.posed_coulomb import PosedCoulomb
 from fefinger.contact.signed_distance import Shapes
 from fefinger.mechanics.evidence.tactile_errors import measured_errors
 from fefinger.mechanics.loop import Loop
@@ -328,11 +328,12 @@ class TactileFinger:
         self._out = pad_worlds.readings(self.worlds, self.pad, 0)
         self._kept = False
         if not self._solvers:
-            flexibility = np.zeros((components * n, components * n))
             for _ in range(min(self.worlds, threads())):
-                solver: Any = active_set.lcp_state(flexibility)
+                solver: Any
                 if self.friction:
-                    solver = CoulombSolver(flexibility, self.friction)
+                    solver = PosedCoulomb(self._maps.compliance, self.friction)
+                else:
+                    solver = active_set.lcp_state(np.zeros((n, n)))
                 self._solvers.append((solver, pad_worlds.work(self.pad, components)))
 
     def state(self) -> TouchState:
