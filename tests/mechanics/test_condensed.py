@@ -59,15 +59,11 @@ def test_every_step_is_that_of_linear(press: str) -> None:
         same(found, expected, name)
     assert found.reference.strain == pytest.approx(expected.reference.strain, abs=1e-12)
     assert found.mechanics == "condensed"
+    assert found.seconds["pressure"] > 0
     if found.fields is not None:
         for name in ("displacement", "strain", "pressure"):
             exact = getattr(expected.fields, name)
             assert np.abs(getattr(found.fields, name) - exact).max() < 1e-10 * np.abs(exact).max()
-
-
-def test_the_seconds_of_an_answer_hold_those_of_its_area() -> None:
-    asked = scene("re-contact", ask=ff.Ask(fields=False))
-    assert condensed.respond(asked).seconds["pressure"] > 0
 
 
 def test_one_operator_serves_every_modulus_of_the_same_ratio(operators: Path) -> None:

@@ -160,31 +160,29 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fefinger.mechanics.press.problem.needs_continuation", lambda *_: False)
 
 
+def deep(angle: float = 0.0) -> ff.Scene:
+    """Return a press along the finger, of tissue without memory."""
+    elastic = replace(FINGER, prony=ff.Prony((1.0,), ()))
+    ramp, ask = ff.Ramp(60, 2.0, corner=0.0), ff.Ask(fields=False, strain=False)
+    return ff.Scene(finger=elastic, indenter=ff.Flat(angle), motion=ramp, ask=ask)
+
+
 @pytest.mark.usefixtures("short")
 def test_a_long_contact_that_meets_the_cut_is_refused() -> None:
-    asked = ff.Ask(fields=False)
-    deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
     with pytest.raises(InputError, match="2 mm it reaches the proximal cut, behind which there is"):
-        linear.respond(deep)
+        linear.respond(deep())
 
 
 @pytest.mark.usefixtures("few_steps", "short")
 def test_finite_strain_goes_no_further_than_to_where_the_contact_meets_the_cut() -> None:
-    asked = ff.Ask(fields=False, strain=False)
-    deep = ff.Scene(finger=FINGER, indenter=ff.Flat(angle=0), motion=ff.Ramp(60, 2.0), ask=asked)
     with pytest.raises(InputError, match=r"at a depth of 1\.\d+ mm it reaches the proximal cut"):
-        finite.respond(deep)
+        finite.respond(deep())
 
 
 @pytest.mark.usefixtures("few_steps")
 def test_finite_strain_answers_the_same_press_on_the_continued_finger() -> None:
-    asked = ff.Ask(fields=False, strain=False)
-    flat, steeper = (
-        ff.Scene(finger=FINGER, indenter=ff.Flat(angle), motion=ff.Ramp(60, 2.0), ask=asked)
-        for angle in (0, 10)
-    )
-    force = [finite.respond(each).force[-1] for each in (flat, steeper)]
-    assert 0.8 < force[0] / force[1] < 1.25
+    flat, steeper = (finite.respond(deep(angle)).force[-1] for angle in (0, 10))
+    assert 0.8 < flat / steeper < 1.25
 
 
 def test_the_border_that_a_contact_reaches_is_called_by_its_name(mesh: FingerMesh) -> None:

@@ -221,13 +221,6 @@ def test_a_place_beyond_the_pad_is_beyond_its_ability():
         hertz.respond(beyond)
 
 
-def test_the_planner_leaves_a_finger_on_a_plate_to_the_finite_elements():
-    plan = ff.explain(published.load("flat-press"))
-    assert plan.mechanics == "linear"
-    rung = next(rung for rung in plan.rungs if rung.mechanics == "hertz")
-    assert any("contact radius / tissue thickness" in item.reason for item in rung.refusals)
-
-
 def test_reasons_of_a_measured_error_are_told_until_it_is_allowed():
     asked = {"ask.fields": False, "ask.spikes": []}
     case = Situation.of(published.load("flat-press", asked))

@@ -52,7 +52,7 @@ def test_the_mirror_image_of_a_scene_gives_the_mirror_image_of_the_answer() -> N
         linear.respond(scene(indenter=ff.Flat(angle=30, tilt=tilt), motion=ff.Ramp(60, 0.6)))
         for tilt in (10.0, -10.0)
     )
-    assert left.centroid[-1, 1] * right.centroid[-1, 1] < 0
+    assert left.centroid[-1, 1] > 0.2  # tilted up, it touches on the side of positive y
     assert left.force == pytest.approx(right.force, rel=1e-6, abs=1e-9)
     mirror = np.diag([1.0, -1.0, 1.0])
     assert left.centroid[1:, 1] == pytest.approx(-right.centroid[1:, 1], abs=1e-5, nan_ok=True)
@@ -97,11 +97,6 @@ def test_strain_is_constant_in_the_hold_and_nothing_pulls(press: Response) -> No
     assert press.pressure[holding].max() > 1
 
 
-def test_a_plate_that_is_tilted_up_touches_on_the_side_of_positive_y() -> None:
-    pressed = linear.respond(scene(indenter=ff.Flat(30, tilt=10), motion=ff.Ramp(60, 0.3)))
-    assert pressed.centroid[-1, 1] > 0.2
-
-
 def test_force_control_reaches_the_force_and_creeps() -> None:
     pressed = linear.respond(scene(motion=ff.RampHold(loading_rate=5, force=0.3, hold=1.0)))
     assert (pressed.time[0], pressed.force[0], pressed.depth[0]) == (0.0, 0.0, 0.0)
@@ -124,7 +119,7 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
 
 def test_a_result_says_whether_the_spikes_survive_a_coarser_mesh() -> None:
     standard = replace(FINGER, resolution="standard")
-    motion = ff.RampHold(speed=60, depth=1.0, hold=0.2)
+    motion = ff.RampHold(speed=60, depth=0.6, hold=0.02)
     asked = replace(ASK, pressure=False, spikes=("SAI", "FAI"))
     checked = ff.run(scene(finger=standard, motion=motion, ask=asked), mechanics="linear")
     assert any("when the mesh is coarse" in note for note in checked.notes)

@@ -5,6 +5,7 @@ import dataclasses
 import pickle
 from collections.abc import Callable
 from dataclasses import fields
+from functools import cache
 
 import numpy as np
 import pytest
@@ -43,8 +44,21 @@ def finger_of(kind: str) -> ff.Finger:
     return STIFFENING if kind == "pressed" else SOFT
 
 
-def loop(kind: str) -> ff.Loop:
+@cache
+def made(kind: str) -> ff.Loop:
     return ff.Loop(finger_of(kind), ff.Flat(30), deepest=0.8, **KINDS[kind])
+
+
+def loop(kind: str) -> ff.Loop:
+    """Return the loop of a kind, at rest."""
+    finger = made(kind)
+    finger.reset()
+    return finger
+
+
+def stops_at_a_warning(words: str) -> pytest.RaisesExc[UserWarning]:
+    """Expect a warning, which is an error here: before anything is built."""
+    return pytest.raises(UserWarning, match=words)
 
 
 @pytest.mark.parametrize("indenter", [ff.Flat(30), ff.Sphere(5)])
@@ -52,13 +66,13 @@ def test_tissue_that_stiffens_is_warned_of_with_the_error_of_the_scene(indenter)
     scene = ff.Scene(finger=STIFFENING, indenter=indenter, motion=ff.Ramp(10, 0.8))
     error, _ = condensed.error(Situation.of(scene))
     said = "" if np.isnan(error) else f"at 0.8 mm is wrong by some {percent(error)} "
-    with pytest.warns(UserWarning, match=f"stiffens.*{said}.*mechanics='pressed'"):
+    with stops_at_a_warning(f"stiffens.*{said}.*mechanics='pressed'"):
         ff.Loop(STIFFENING, indenter, mechanics="condensed", deepest=0.8)
 
 
 @pytest.mark.parametrize("kind", ["sliding", "rolling", "modal"])
 def test_the_other_fingers_at_small_strain_warn_too(kind: str) -> None:
-    with pytest.warns(UserWarning, match="calibrated_ah stiffens"):
+    with stops_at_a_warning("calibrated_ah stiffens"):
         ff.Loop(STIFFENING, deepest=0.5, **KINDS[kind])
 
 
@@ -179,7 +193,7 @@ def test_a_refused_step_leaves_the_finger_as_it_was(
     kind: str, options: dict, refused: list[tuple[Callable, str]]
 ) -> None:
     finger, take = (
-        ff.Loop(finger_of(kind), **{"deepest": 0.8} | KINDS[kind] | options),
+        ff.Loop(SOFT, deepest=0.8, **KINDS[kind] | options) if options else loop(kind),
         sinking(kind),
     )
     for depth in (0.3, 0.6):

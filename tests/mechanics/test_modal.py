@@ -1,7 +1,8 @@
 """Mechanics `modal`: limits, bad input, and the planner's use of it."""
 
 import dataclasses
-import struct
+import wave
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -17,7 +18,7 @@ import fefinger as ff
 from fefinger.fem.modes import Modes
 from fefinger.mechanics import condensed, modal, pressed
 from fefinger.mechanics.evidence import costs, vibration
-from fefinger.mechanics.press import depth_table, modal_body
+from fefinger.mechanics.press import depth_table, modal_body, operator_cache
 from fefinger.mechanics.press.modal_press import RINGING, modal_grid
 from fefinger.mechanics.press.operator_cache import MODES
 from fefinger.mechanics.press.placement import obstacle
@@ -26,30 +27,40 @@ from fefinger.mesh.store import load_or_build
 from fefinger.scene import builtin
 from fefinger.scene.cautions import coarse_samples
 from fefinger.studies.force_depth import dynamic_stiffness
+from fefinger.support import cache
 from fefinger.support.checks import InputError
 from fefinger.support.tensors import tensor_from_voigt
 
 
 def scene(motion: ff.FrequencySweep | ff.RampHold | ff.Sampled, **ask: object) -> ff.Scene:
-    finger = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
     outputs = {"pressure": False, "fields": False, "strain": True, "rel_error": 0.3} | ask
-    return ff.Scene(finger=finger, motion=motion, ask=ff.Ask(**outputs))
-
-
-pytestmark = pytest.mark.usefixtures("operators")
+    return ff.Scene(finger=FINGER, motion=motion, ask=ff.Ask(**outputs))
 
 
 FINGER = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
 
 
-@pytest.fixture
-def loop(operators: Path) -> ff.Loop:
+@pytest.fixture(scope="module", autouse=True)
+def _cache(kept: Path) -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(kept))
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole() -> ff.Loop:
     return ff.Loop(FINGER, ff.Flat(30), mechanics="modal", deepest=1.2)
 
 
 @pytest.fixture
-def vibrations(operators: Path) -> ff.Vibrations:
-    return ff.Vibrations(FINGER, ff.Flat(30), deepest=1.2)
+def loop(whole: ff.Loop) -> ff.Loop:
+    whole.reset()
+    return whole
+
+
+@pytest.fixture(scope="module")
+def vibrations(whole: ff.Loop) -> ff.Vibrations:
+    return ff.Vibrations.of(whole.prepared, deepest=1.2)
 
 
 def test_a_slow_press_by_force_is_that_of_condensed() -> None:
@@ -97,14 +108,15 @@ def test_the_fields_of_a_slow_press_are_those_without_inertia(
 
 
 def test_damaged_modes_are_computed_again(
-    vibrations: ff.Vibrations, operators: Path, monkeypatch: pytest.MonkeyPatch
+    vibrations: ff.Vibrations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    used = max((operators.parent / "modes").iterdir(), key=lambda place: place.stat().st_mtime)
-    computed, compute = [], modal_body.modes_of
+    identity = operator_cache.identity(FINGER, odd=False)
+    used = operator_cache.modes_folder(FINGER, identity)
+    computed, stored = [], cache.load(used, modal_body._read)
 
     def counted(*given: Any) -> Modes:
         computed.append(given)
-        return compute(*given)
+        return stored
 
     monkeypatch.setattr(modal_body, "modes_of", counted)
     flip(used / "squares.npy")
@@ -114,9 +126,9 @@ def test_damaged_modes_are_computed_again(
 
 
 def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(
-    vibrations: ff.Vibrations, operators: Path
+    vibrations: ff.Vibrations, kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = sorted((operators.parent / "modes").iterdir())
+    before = sorted((kept / "fefinger" / "modes").iterdir())
     heavy = dataclasses.replace(
         vibrations.finger,
         skin=dataclasses.replace(vibrations.finger.skin, density=4400),
@@ -124,17 +136,15 @@ def test_heavier_tissue_swings_more_slowly_with_the_modes_that_are_there(
     )
     slow = ff.Vibrations(heavy, ff.Flat(30), deepest=1.2)
     assert slow.frequencies == pytest.approx(vibrations.frequencies / 2, rel=1e-9)
-    assert sorted((operators.parent / "modes").iterdir()) == before
-    skin = ff.Tissue(100, 0.48, 1.0, density=1000)
-    other = ff.Vibrations(
-        dataclasses.replace(vibrations.finger, skin=skin), ff.Flat(30), deepest=1.2
-    )
-    assert (other.frequencies != vibrations.frequencies).all()
+    assert sorted((kept / "fefinger" / "modes").iterdir()) == before
+    monkeypatch.setattr(modal_body, "modes_of", None)
+    heavy_skin = dataclasses.replace(heavy, subcutaneous=vibrations.finger.subcutaneous)
+    with pytest.raises(TypeError, match="not callable"):  # its modes are not there
+        ff.Vibrations(heavy_skin, ff.Flat(30), deepest=1.2)
 
 
 def test_a_rest_in_the_loop_is_that_of_condensed(loop: ff.Loop) -> None:
     still = ff.Loop(FINGER, ff.Flat(30), mechanics="condensed", deepest=1.2, sites=loop.sites)
-    loop.reset()
     one, other = still.step(2.0, depth=0.7), loop.rest(2.0, depth=0.7)
     assert other.force == pytest.approx(one.force, rel=1e-9)
     for name in ("strain", "pressure"):
@@ -145,7 +155,7 @@ def test_a_rest_in_the_loop_is_that_of_condensed(loop: ff.Loop) -> None:
 
 def test_it_is_built_with_progress(loop: ff.Loop) -> None:
     seen: list[tuple[str, float]] = []
-    ff.Vibrations(FINGER, progress=lambda stage, done: seen.append((stage, done)))
+    ff.Vibrations(FINGER, deepest=1.2, progress=lambda stage, done: seen.append((stage, done)))
     assert [stage for stage, done in seen if done == 0.0] == ["factor", "modes"]
 
 
@@ -174,7 +184,6 @@ def test_in_a_loop_and_as_a_scene_it_is_the_same(loop: ff.Loop) -> None:
     motion = ff.RampHold(40.0, 0.8, hold=0.02)
     whole = modal.respond(scene(motion))
     steps = modal_grid(motion, fast=False)
-    loop.reset()
     forces = [0.0]
     for dt, t in zip(np.diff(steps.time), steps.time[1:], strict=True):
         forces.append(loop.step(float(dt), depth=float(motion.value(t))).force)
@@ -195,7 +204,6 @@ def test_a_long_step_is_divided_so_that_all_modes_follow(loop: ff.Loop) -> None:
 
 
 def test_a_long_step_that_is_refused_midway_leaves_the_finger_as_it_was(loop: ff.Loop) -> None:
-    loop.reset()
     loop.step(1e-3, depth=0.4)
     before = loop.now.depth, loop.now.force
     with pytest.raises(InputError, match="contact at their rim"):
@@ -205,7 +213,6 @@ def test_a_long_step_that_is_refused_midway_leaves_the_finger_as_it_was(loop: ff
 
 
 def test_a_force_is_reached_and_contact_opens_and_closes(loop: ff.Loop) -> None:
-    loop.reset()
     for force in (0.1, 0.3, 0.0, 0.0, 0.2):
         assert loop.step(1e-4, force=force).force == pytest.approx(force, rel=1e-6, abs=1e-12)
     loop.reset()
@@ -253,9 +260,10 @@ def test_the_skin_under_the_plate_moves_with_it(vibrations: ff.Vibrations) -> No
 
 
 def test_a_preload_is_answered_alike_after_any_other(vibrations: ff.Vibrations) -> None:
-    frequency, depths = [20.0, 200.0], (0.4, 1.0, 0.7)  # alone, of more nodes, of fewer again
-    before = [vibrations.harmonic(frequency, depth=depth) for depth in depths]
-    for found, depth in zip(before, depths, strict=True):
+    vibrations.__dict__.pop("vibrating", None)
+    frequency, depths = [20.0, 200.0], (0.4, 1.0, 0.7)  # first, of more nodes, of fewer again
+    _, *before = (vibrations.harmonic(frequency, depth=depth) for depth in depths)
+    for found, depth in zip(before, depths[1:], strict=True):
         vibrations.__dict__.pop("vibrating")
         alone = vibrations.harmonic(frequency, depth=depth)
         for name in ("stiffness", "strain", "skin", "error"):
@@ -483,24 +491,10 @@ def test_steps_are_short_while_the_finger_moves_and_rings_and_long_in_a_rest() -
 
 def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
     samples = (20000 * np.sin(2 * np.pi * 250 * np.arange(800) / 8000)).astype("<i2")
-    data = samples.tobytes()
-    head = struct.pack(
-        "<4sI4s4sIHHIIHH4sI",
-        b"RIFF",
-        36 + len(data),
-        b"WAVE",
-        b"fmt ",
-        16,
-        1,
-        1,
-        8000,
-        16000,
-        2,
-        16,
-        b"data",
-        len(data),
-    )
-    (tmp_path / "hum.wav").write_bytes(head + data)
+    for name, data in (("hum", samples.tobytes()), ("silent", bytes(2 * len(samples)))):
+        with wave.open(str(tmp_path / f"{name}.wav"), "wb") as file:
+            file.setparams((1, 2, 8000, 0, "NONE", "not compressed"))
+            file.writeframes(data)
     text = (
         '[finger]\nsubject = "a.h."\n[motion]\nkind = "sampled"\nfile = "hum.wav"\n'
         "amplitude = 0.02\npreload = 0.8\nsettle = 0.1\n"
@@ -518,7 +512,6 @@ def test_a_wave_file_is_a_vibration_about_a_preload(tmp_path: Path) -> None:
         ff.Sampled.from_file(tmp_path / "no.wav", amplitude=0.1, preload=1.0)
     with refused("motion.amplitude"):
         ff.Sampled.from_file(tmp_path / "hum.wav", preload=1.0)
-    (tmp_path / "silent.wav").write_bytes(head + bytes(len(data)))
     with pytest.raises(InputError, match="which is silent"):
         ff.Sampled.from_file(tmp_path / "silent.wav", amplitude=0.1, preload=1.0)
 

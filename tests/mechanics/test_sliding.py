@@ -1,6 +1,7 @@
 """Sliding fingers: outcomes in words, what results keep, what is refused and warned of."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ SHORT = ff.Slide(20, 0.7, distance=0.01, settle=0.05)
 pytestmark = pytest.mark.usefixtures("operators")
 
 
+@cache
 def respond(indenter, motion, **ask):
     scene = ff.Scene(
         finger=FINGER, indenter=indenter, motion=motion, ask=replace(ASK, **ask) if ask else ASK
@@ -36,7 +38,7 @@ def respond(indenter, motion, **ask):
 
 @pytest.mark.parametrize(
     ("mu", "distance", "words"),
-    [(0.4, 1.5, "Gross slip: from "), (0.4, 0.1, "Partial slip: at least "), (50.0, 0.1, "Stick")],
+    [(0.5, 1.5, "Gross slip: from "), (0.5, 0.1, "Partial slip: at least "), (50.0, 0.1, "Stick")],
 )
 def test_the_outcome_is_told_in_words(mu, distance, words):
     response = respond(ff.Flat(30, friction=mu), replace(SHORT, distance=distance))
@@ -174,11 +176,11 @@ def test_a_torque_is_that_of_the_traction_about_the_center_of_pressure():
 
 
 def test_traction_on_the_pad_adds_up_to_the_lateral_force():
-    response = respond(ff.Flat(30, friction=0.4), replace(SHORT, distance=1.0))
+    response = respond(ff.Flat(30, friction=0.5), replace(SHORT, distance=1.5))
     total = np.einsum("p,tpk->tk", response.pad.areas, response.lateral.traction) * 1e-3
     # Areas of the pad are those of its hats; the patch has them across the plate.
     assert total[-1] == pytest.approx(response.lateral.force[-1], rel=0.05, abs=1e-3)
-    assert response.lateral.slip[-1, :, 0].min() == pytest.approx(-1.0, abs=0.35)
+    assert response.lateral.slip[-1, :, 0].min() == pytest.approx(-1.5, abs=0.35)
 
 
 def test_a_result_with_friction_is_saved_and_read_again(tmp_path: Path):

@@ -53,9 +53,11 @@ def deep(stride_far: Callable[[pytest.MonkeyPatch], None]) -> Response:
 
 
 @pytest.fixture(scope="module")
-def held() -> Response:
+def held(stride_far: Callable[[pytest.MonkeyPatch], None]) -> Response:
     """Return a short press with a hold, and all that can be asked of it."""
-    return solid.respond(press(ff.RampHold(20, 0.5, hold=0.5), strain=True))
+    with pytest.MonkeyPatch.context() as patched:
+        stride_far(patched)
+        return solid.respond(press(ff.RampHold(20, 0.5, hold=0.5), strain=True))
 
 
 @pytest.mark.usefixtures("few_steps", "iterated_far")
@@ -141,6 +143,7 @@ def test_fields_and_sites_tell_the_same_strain(held: Response):
     assert np.linalg.norm(held.fields.displacement[-1], axis=1).max() < 1.0
 
 
+@pytest.mark.usefixtures("few_steps")
 def test_skin_that_is_pressed_together_in_contact_does_not_fold_through_the_plate():
     finger = ff.Finger.subject("d.p.", resolution="coarse", prony=ELASTIC, tissue="maeno1998")
     motion = ff.Ramp(60, 0.2 * finger.thickness, corner=0)
@@ -193,11 +196,14 @@ COMMON = {
 
 
 @pytest.fixture(scope="module")
-def plain() -> float:
+def plain(stride_far: Callable[[pytest.MonkeyPatch], None]) -> float:
     """Return the largest force where all tissue relaxes alike, and wholly."""
-    return float(solid.respond(published.load("flat-press", COMMON)).force.max())
+    with pytest.MonkeyPatch.context() as patched:
+        stride_far(patched)
+        return float(solid.respond(published.load("flat-press", COMMON)).force.max())
 
 
+@pytest.mark.usefixtures("few_steps")
 @pytest.mark.parametrize(
     ("settings", "reason", "note"),
     [
@@ -226,6 +232,7 @@ def test_tissue_that_relaxes_otherwise_is_for_solid_alone(
     assert 0 < abs(found.force.max() / plain - 1) < 0.5
 
 
+@pytest.mark.usefixtures("few_steps")
 def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import shutil
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -12,8 +13,10 @@ from numpy.typing import ArrayLike
 
 import fefinger as ff
 from fefinger.geometry.profiles import frame
+from fefinger.mechanics import tactile_finger
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.evidence.tactile_errors import REPORT, measured_errors
+from fefinger.mechanics.press import elastic_press
 from fefinger.mechanics.tactile_finger import under
 from fefinger.results.touch import Touch
 from fefinger.scene.indenter import direction
@@ -24,6 +27,7 @@ FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
 ELASTIC = ff.Finger.subject(
     "a.h.", resolution="coarse", tissue="maeno1998", prony=ff.Prony((1.0,), ())
 )
+STIFFENING = ff.Finger.subject("a.h.", resolution="coarse")
 PLATE = under(30.0)
 NORMAL = PLATE[:, 2]
 BALL = ff.shapes.Sphere(6.0)
@@ -57,6 +61,11 @@ def ball(
     tip: ff.TactileFinger, depth: float, dt: float = 5e-3, shift: ArrayLike = (0, 0, 0)
 ) -> Touch:
     return tip.step([(BALL, np.eye(3), (depth - 6.0) * NORMAL + np.asarray(shift, float))], dt)
+
+
+def about_z(degrees: float) -> np.ndarray:
+    turn = np.radians(degrees)
+    return np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
 
 
 def test_a_plate_is_that_of_the_loop_with_its_relaxation_and_friction(
@@ -115,10 +124,7 @@ def test_a_mirrored_scene_has_a_mirrored_answer(tip: ff.TactileFinger) -> None:
     for side in (1.0, -1.0):
         tip.reset()
         for k in range(12):
-            turn = np.radians(2.0 * k) * side
-            spin = np.array(
-                [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
-            )
+            spin = about_z(2.0 * k * side)
             place = np.array([-4.0 + 0.1 * k, side * (0.5 + 0.05 * k), -2.0 - 6.0 + 0.09 * k])
             touch = tip.step([(ff.shapes.Box(8, 8, 12, edge=0.8), spin, place)], 2e-3)
         wrenches.append(touch.wrench[0])
@@ -140,10 +146,7 @@ def test_a_plate_that_spins_twists_the_finger_within_the_bound_of_friction() -> 
     tip = ff.TactileFinger(FINGER, friction=0.6, finite_strain=False)
     torque = []
     for k in range(30):
-        turn = np.radians(1.5 * max(0, k - 10))
-        spin = np.array(
-            [[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]]
-        )
+        spin = about_z(1.5 * max(0, k - 10))
         touch = tip.step([(ff.shapes.Plane(), PLATE @ spin, min(0.08 * k, 0.8) * NORMAL)], 2e-3)
         torque.append(float(touch.wrench[0, 3:] @ NORMAL))
     force, reach = touch.wrench[0, :3] @ NORMAL, np.sqrt(touch.contact_area[0] / np.pi)
@@ -362,17 +365,26 @@ def test_a_vectorized_loop_resets_worlds_that_are_over_and_goes_on_with_the_othe
         assert np.allclose(touch.strain[w], alone.strain, atol=1e-9)
 
 
-def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error() -> None:
-    finger = ff.Finger.subject("a.h.", resolution="coarse")
-    tip = ff.TactileFinger(finger, deepest=0.6)
-    linear = ff.TactileFinger(finger, deepest=0.6, finite_strain=False)
-    loop = ff.Loop(finger, ff.Flat(30.0), deepest=0.6)
+@pytest.fixture(scope="module")
+def stiffening(kept: Path) -> Iterator[ff.TactileFinger]:
+    """Return a finger that stiffens, by tables of five depths, one on a mesh of its own."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(elastic_press, "PART", 0.6 / STIFFENING.thickness)
+        patched.setattr(elastic_press, "STEPS", 6)
+        patched.setattr(tactile_finger, "ANGLES", (0.0, 27.0, 30.0, 36.0))
+        yield ff.TactileFinger(STIFFENING, deepest=0.6)
+    shutil.rmtree(kept / "fefinger" / "elastic")
+
+
+def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error(
+    stiffening: ff.TactileFinger,
+) -> None:
+    linear = ff.TactileFinger(STIFFENING, deepest=0.6, finite_strain=False)
+    loop = ff.Loop(STIFFENING, ff.Flat(30.0), deepest=0.6)
     for depth in (0.3, 0.6):
-        for each in (tip, linear):
-            each.reset()
-        loop.reset()
-        force = loop.step(1e4, depth=depth).force
-        touch = plate(tip, depth, 1e4)
+        stiffening.reset()
+        force = loop.rest(1e4, depth=depth).force
+        touch = plate(stiffening, depth, 1e4)
         assert touch.wrench[0, :3] @ NORMAL == pytest.approx(force, rel=0.01)
         assert 0.02 < touch.error.force < 0.3
     soft = plate(linear, 0.6, 1e4)
@@ -380,28 +392,30 @@ def test_finite_strain_stiffens_the_plate_of_its_table_and_states_an_error() -> 
     assert np.isnan(soft.error).all()
 
 
-def test_under_a_soft_plate_the_factor_of_finite_strain_is_that_of_the_depth_of_the_skin() -> None:
-    finger = ff.Finger.subject("a.h.", resolution="coarse")
-    tip = ff.TactileFinger(finger, deepest=0.6)
-    rigid = plate(tip, 0.5, 1e4)
-    tip.reset()
-    soft = tip.step([(ff.shapes.Soft(ff.shapes.Plane(), 15), PLATE, 0.8 * NORMAL)], 1e4)
+def test_under_a_soft_plate_the_factor_of_finite_strain_is_that_of_the_depth_of_the_skin(
+    stiffening: ff.TactileFinger,
+) -> None:
+    stiffening.reset()
+    rigid = plate(stiffening, 0.5, 1e4)
+    stiffening.reset()
+    soft = stiffening.step([(ff.shapes.Soft(ff.shapes.Plane(), 15), PLATE, 0.8 * NORMAL)], 1e4)
     assert soft.valid  # its own depth is below `deepest`
     assert soft.depth[0] < rigid.depth[0]
     assert soft.stiffness < 0.99 * rigid.stiffness
-    tip.reset()
-    same = plate(tip, float(soft.depth[0]), 1e4)
+    stiffening.reset()
+    same = plate(stiffening, float(soft.depth[0]), 1e4)
     assert soft.stiffness == pytest.approx(same.stiffness, rel=0.01)
 
 
-def test_friction_worlds_and_strictness_change_no_factor_of_finite_strain() -> None:
-    finger = ff.Finger.subject("a.h.", resolution="coarse")
-    plain = ff.TactileFinger(finger, deepest=0.6)
-    other = ff.TactileFinger(finger, deepest=0.6, friction=0.6, worlds=2, strict=True)
+def test_friction_worlds_and_strictness_change_no_factor_of_finite_strain(
+    stiffening: ff.TactileFinger,
+) -> None:
+    other = ff.TactileFinger(STIFFENING, deepest=0.6, friction=0.6, worlds=2, strict=True)
     places = 0.5 * NORMAL * np.ones((2, 1))
     touch = other.step([(ff.shapes.Plane(), PLATE, places)], 1e-3)
     assert touch.wrench.shape == (2, 1, 6)
-    still = plate(plain, 0.5, 1e-3)
+    stiffening.reset()
+    still = plate(stiffening, 0.5, 1e-3)
     assert np.allclose(touch.stiffness, still.stiffness, rtol=1e-9)
     assert still.stiffness > 1.0
 

@@ -35,6 +35,7 @@ def test_facets_are_as_long_as_the_mesher_is_asked_to_make_them() -> None:
     assert linear.FACETS == {name: each.pad for name, each in SETTINGS.items()}
 
 
+@pytest.mark.usefixtures("few_steps")
 @pytest.mark.parametrize(
     "changes",
     [

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -177,10 +178,15 @@ def test_the_factors_hold_in_95_of_100_scenes_of_development(quantity) -> None:
         assert some, "a margin that nothing exceeds is none"
 
 
+@cache
+def of_presses() -> list:
+    return list(derive.of_presses())
+
+
 @pytest.mark.parametrize("quantity", [*stated_errors.STRAINS, *derive.BY_TISSUE])
 def test_errors_hold_in_presses_that_are_left_out(quantity) -> None:
     held = []
-    for (candidate, name), _, residual in derive.of_presses():
+    for (candidate, name), _, residual in of_presses():
         if name == quantity:
             factor = read(EVIDENCE)["factors"][candidate.mechanics][quantity]
             held.append(math.exp(residual) <= factor * 1.01)

@@ -31,7 +31,7 @@ def pressed(subject: str, depth: float, angle: float = 0.0) -> ff.Scene:
 @pytest.mark.parametrize("tissue", TISSUES)
 @pytest.mark.parametrize("subject", SUBJECTS)
 def test_no_finger_refuses_two_millimeters_at_any_angle(subject: str, tissue: str) -> None:
-    for angle in range(0, 61, 5):
+    for angle in (0, 5, 10, 15, 30, 60):
         scene = ff.Scene(
             finger=finger(subject, tissue), indenter=ff.Flat(angle), motion=ff.Ramp(60.0, 2.0)
         )
