@@ -117,14 +117,10 @@ def test_spike_counts_survive_halving_the_time_step() -> None:
     assert min(counts[0]) >= 1
 
 
-def test_a_result_says_whether_the_spikes_survive_a_coarser_mesh() -> None:
+def test_spikes_are_checked_on_the_next_coarser_mesh_if_there_is_one() -> None:
     standard = replace(FINGER, resolution="standard")
-    motion = ff.RampHold(speed=60, depth=0.6, hold=0.02)
-    asked = replace(ASK, pressure=False, spikes=("SAI", "FAI"))
-    checked = ff.run(scene(finger=standard, motion=motion, ask=asked), mechanics="linear")
-    assert any("when the mesh is coarse" in note for note in checked.notes)
-    unchecked = ff.run(scene(motion=motion, ask=asked), mechanics="linear")
-    assert not any("when the mesh is" in note for note in unchecked.notes)
+    assert linear.coarser(scene(finger=standard)) == FINGER
+    assert linear.coarser(scene()) is None
 
 
 BAD = [

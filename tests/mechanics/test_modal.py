@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from damage import flip
+from fefinger.validation.waves import preload
 from fefinger.validation.waves.measure import pressed_force
 from fefinger.validation.waves.preload import Preloaded
 from refusals import refused
@@ -552,7 +553,10 @@ def stress_share(finger: ff.Finger, depth: float) -> float:
     return float(soft * (1 - table.work_at_nodes[at - 3, at + 3]) / (hard - soft))
 
 
-def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload() -> None:
+def test_stiffening_tissue_vibrates_as_solid_linearized_about_its_preload(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(preload, "STEPS", 6)
     finger = ff.Finger.subject("a.h.", tissue="calibrated_ah_viscous", resolution="coarse")
     prepared = Preloaded.of(finger, 1.0)
     frequency = np.array([150.0])

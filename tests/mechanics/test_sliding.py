@@ -176,11 +176,11 @@ def test_a_torque_is_that_of_the_traction_about_the_center_of_pressure():
 
 
 def test_traction_on_the_pad_adds_up_to_the_lateral_force():
-    response = respond(ff.Flat(30, friction=0.5), replace(SHORT, distance=1.5))
+    response = respond(ff.Flat(30, friction=0.4), replace(SHORT, distance=1.0))
     total = np.einsum("p,tpk->tk", response.pad.areas, response.lateral.traction) * 1e-3
     # Areas of the pad are those of its hats; the patch has them across the plate.
     assert total[-1] == pytest.approx(response.lateral.force[-1], rel=0.05, abs=1e-3)
-    assert response.lateral.slip[-1, :, 0].min() == pytest.approx(-1.5, abs=0.35)
+    assert response.lateral.slip[-1, :, 0].min() == pytest.approx(-1.0, abs=0.35)
 
 
 def test_a_result_with_friction_is_saved_and_read_again(tmp_path: Path):

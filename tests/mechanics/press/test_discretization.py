@@ -44,7 +44,7 @@ def test_a_press_that_reached_the_cut_is_answered_on_the_continued_finger(subjec
     scene = pressed(subject, 2.0)
     assert 2.0 > FAR * gap(scene.finger, ff.Flat(0.0))
     answer = run(scene, mechanics="linear")
-    steeper = run(pressed(subject, 2.0, angle=10.0), mechanics="linear")
+    steeper = run(pressed(subject, 2.0, angle=7.0), mechanics="linear")
     assert 0.8 < answer.force[-1] / steeper.force[-1] < 1.2
     assert NOTE in answer.notes
 
