@@ -172,21 +172,13 @@ def test_a_study_with_a_mechanics_that_is_named_is_on_one_mesh(monkeypatch):
     assert meshes_of(answered) == ["auto"] * 3
 
 
-@pytest.mark.usefixtures("few_depths")
-def test_a_study_of_forces_over_angles_is_of_one_mechanics_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "first"))
+def test_forces_over_angles_that_plans_answer_apart_are_of_one_mechanics():
     changes = LEAN | {"motion.depth": 0.3, "motion.hold": 0.0, "ask.rel_error": 0.35}
     changes |= {"ask.fields": False}
     over = {"indenter.angle": (30, 45)}
-    found = ff.study("flat-press", over, changes=changes, workers=1)
-    (chosen,) = {row["mechanics"] for row in found.rows}
-    assert found.about["chosen"].startswith(f"All scenes are answered by {chosen}")
-    # Without what the first study built, which makes its mechanics the cheapest everywhere.
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "second"))
-    each = {
-        angle: plan.choose(ff.Scene.from_dict(task["scene"])).mechanics
-        for angle, task in zip((30, 45), tasks(over, **changes).values(), strict=True)
-    }
-    assert each[30] != each[45]
-    apart = ff.study("flat-press", over, changes=changes, workers=1, mechanics="each")
-    assert {row["mechanics"] for row in apart.rows} == set(each.values())
+    asked = tasks(over, **changes)
+    each = {plan.choose(ff.Scene.from_dict(task["scene"])).mechanics for task in asked.values()}
+    assert len(each) == 2
+    found, said = study.agreed(asked, over)
+    (chosen,) = mechanics_of(found)
+    assert said.startswith(f"All scenes are answered by {chosen}")
