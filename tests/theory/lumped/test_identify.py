@@ -1,5 +1,7 @@
 """Identification from ramp and hold: the thesis's bias, its cure, and what the fits admit."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from fefinger.validation.oracles import synthetic
@@ -16,6 +18,7 @@ SUBJECTS = {name: (Spring(row.b, row.m, 0.5), row.prony) for name, row in librar
 AH = SUBJECTS["a.h."]
 
 
+@cache
 def trial(name="a.h.", **options):
     made = synthetic.ramp_and_hold(*SUBJECTS[name], **options)
     return made.time, made.position, made.force
