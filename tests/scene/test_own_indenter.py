@@ -188,7 +188,6 @@ MECHANICS = [
     pytest.param("linear", None, id="linear"),
     pytest.param("condensed", None, id="condensed"),
     pytest.param("pressed", None, id="pressed"),
-    pytest.param("solid", None, id="solid"),
     pytest.param(
         "condensed", ff.Slide(20, 0.4, distance=2.0, settle=0.05), id="condensed, sliding"
     ),
@@ -200,11 +199,8 @@ def test_every_mechanics_answers_as_under_the_object_of_the_package(
     mechanics: str,
     motion: Any,
     operators: Path,
-    stride_far: Any,
-    monkeypatch: pytest.MonkeyPatch,
     request: pytest.FixtureRequest,
 ) -> None:
-    stride_far(monkeypatch)
     if mechanics == "pressed":
         request.getfixturevalue("few_depths")
     pairs = [(Slab(3.0, 0.6), ff.Bar(3.0, 0.6)), (Marble(), ff.Sphere(4.0))]
