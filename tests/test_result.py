@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +72,23 @@ def without(result: Result, *names: str) -> Result:
     spikes = None if "spikes" in names else result.spikes
     response = dataclasses.replace(result.response, **gone)
     return dataclasses.replace(result, response=response, spikes=spikes)
+
+
+@pytest.fixture(scope="module")
+def whole(synthetic: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of the synthetic result, saved with an empty report."""
+    folder = tmp_path_factory.mktemp("whole")
+    with pytest.MonkeyPatch.context() as patched:
+        write = "fefinger.pages.report.write"
+        patched.setattr(write, lambda result, path: Path(path).write_text("report"))
+        synthetic.save(folder)
+    return folder
+
+
+@pytest.fixture
+def copied(whole: Path, tmp_path: Path) -> Path:
+    """Return a copy of its file, to be damaged."""
+    return Path(shutil.copy(whole / "result.nc", tmp_path))
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -161,10 +179,7 @@ poisson = 0.49
 
 
 @pytest.mark.usefixtures("plain_report")
-@pytest.mark.parametrize("gone", [("tissue.toml",), ("scan.stl", "bone.stl")])
-def test_a_result_loads_without_the_files_of_its_finger(
-    synthetic: Result, tmp_path: Path, gone: tuple[str, ...]
-) -> None:
+def test_a_result_loads_without_the_files_of_its_finger(synthetic: Result, tmp_path: Path) -> None:
     named = {name: tmp_path / name for name in ("tissue.toml", "scan.stl", "bone.stl")}
     for file in named.values():
         file.write_text(TISSUE_SET)
@@ -181,8 +196,8 @@ def test_a_result_loads_without_the_files_of_its_finger(
     scene = dataclasses.replace(synthetic.scene, finger=finger)
     result = dataclasses.replace(synthetic, scene=scene)
     result.save(tmp_path / "out")
-    for name in gone:
-        named[name].unlink()
+    for file in named.values():
+        file.unlink()
     found = load(tmp_path / "out")
     assert_same(found, result)
     assert found.scene.finger.skin.exponent == 3.0
@@ -241,10 +256,8 @@ def test_the_energy_on_the_mesh_is_saved(synthetic: Result, tmp_path: Path) -> N
         assert (saved == energy[..., 1].astype(np.float32)).all()  # exact: a file keeps every bit
 
 
-@pytest.mark.usefixtures("plain_report")
-def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, tmp_path: Path) -> None:
-    synthetic.save(tmp_path)
-    with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf") as data:
+def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, whole: Path) -> None:
+    with xr.open_dataset(whole / "result.nc", engine="h5netcdf") as data:
         for name, variable in data.data_vars.items():
             assert variable.attrs["long_name"], name
             assert name in ("scene", "record") or variable.attrs["units"], name
@@ -253,10 +266,8 @@ def test_every_saved_array_says_its_unit_and_meaning(synthetic: Result, tmp_path
         assert data["unit_current"].sel(unit="FAI-1").shape == synthetic.time.shape
 
 
-@pytest.mark.usefixtures("plain_report")
-def test_a_result_is_a_dataset_as_it_is_on_disk(synthetic: Result, tmp_path: Path) -> None:
-    synthetic.save(tmp_path)
-    with xr.open_dataset(tmp_path / "result.nc", engine="h5netcdf", decode_times=False) as saved:
+def test_a_result_is_a_dataset_as_it_is_on_disk(synthetic: Result, whole: Path) -> None:
+    with xr.open_dataset(whole / "result.nc", engine="h5netcdf", decode_times=False) as saved:
         xr.testing.assert_identical(synthetic.to_xarray(), saved.load())
 
 
@@ -301,11 +312,9 @@ def test_a_large_error_is_told_as_a_range_with_what_would_be_better(
     assert "for the contact area, the reference is solid (--mechanics solid)" in text
 
 
-@pytest.mark.usefixtures("plain_report")
-def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, tmp_path: Path) -> None:
-    synthetic.save(tmp_path)
+def test_spikes_csv_holds_every_spike_with_its_place(synthetic: Result, whole: Path) -> None:
     assert synthetic.spikes is not None
-    with open(tmp_path / "spikes.csv", newline="") as file:
+    with open(whole / "spikes.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["unit", "type", "x_mm", "y_mm", "z_mm", "time_s"]
     # exact: the table has every digit
@@ -410,32 +419,23 @@ def test_a_result_of_another_version_is_refused_and_replaced(
     assert_same(load(tmp_path), synthetic)
 
 
-@pytest.mark.usefixtures("plain_report")
-def test_a_truncated_result_is_refused(synthetic: Result, tmp_path: Path) -> None:
-    path = Path(synthetic.save(tmp_path)[0])
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+def test_a_truncated_result_is_refused(copied: Path) -> None:
+    copied.write_bytes(copied.read_bytes()[: copied.stat().st_size // 2])
     with pytest.raises(InputError, match="damaged or foreign file"):
-        load(tmp_path)
+        load(copied.parent)
 
 
-@pytest.mark.usefixtures("plain_report")
 @pytest.mark.parametrize("part", [b"FHDB", b"BTLF"])  # blocks of links and of their names
-def test_a_result_with_damaged_links_is_refused(
-    synthetic: Result, tmp_path: Path, part: bytes
-) -> None:
-    path = Path(synthetic.save(tmp_path)[0])
-    whole = path.read_bytes()
-    assert part in whole
-    path.write_bytes(whole.replace(part, b"xxxx"))
+def test_a_result_with_damaged_links_is_refused(copied: Path, part: bytes) -> None:
+    content = copied.read_bytes()
+    assert part in content
+    copied.write_bytes(content.replace(part, b"xxxx"))
     with pytest.raises(InputError, match="damaged or foreign file"):
-        load(tmp_path)
+        load(copied.parent)
 
 
-@pytest.mark.usefixtures("plain_report")
 @pytest.mark.parametrize("part", ["force", "strain", "spikes", "record", "scene"])
-def test_a_flipped_bit_in_the_values_is_noticed(
-    synthetic: Result, tmp_path: Path, part: str
-) -> None:
+def test_a_flipped_bit_in_the_values_is_noticed(synthetic: Result, copied: Path, part: str) -> None:
     assert synthetic.force is not None
     assert synthetic.spikes is not None
     stored = {
@@ -444,44 +444,37 @@ def test_a_flipped_bit_in_the_values_is_noticed(
         "record": b"converged: every contact step",
         "scene": synthetic.scene.to_toml().encode(),
     }
-    path = Path(synthetic.save(tmp_path)[0])
-    content = bytearray(path.read_bytes())
+    content = bytearray(copied.read_bytes())
     if part in stored:
         place = content.index(stored[part]) + len(stored[part]) // 2
     else:  # it is compressed
-        with h5py.File(path) as file:
+        with h5py.File(copied) as file:
             chunk = file[part].id.get_chunk_info(0)
         place = chunk.byte_offset + chunk.size // 2
     content[place] ^= 1
-    path.write_bytes(content)
+    copied.write_bytes(content)
     with pytest.raises(InputError, match="damaged or foreign file"):
-        load(tmp_path)
+        load(copied.parent)
 
 
-@pytest.mark.usefixtures("plain_report")
-def test_a_heap_of_texts_that_hdf5_would_read_forever_is_refused(
-    synthetic: Result, tmp_path: Path
-) -> None:
-    path = Path(synthetic.save(tmp_path)[0])
-    content = bytearray(path.read_bytes())
+def test_a_heap_of_texts_that_hdf5_would_read_forever_is_refused(copied: Path) -> None:
+    content = bytearray(copied.read_bytes())
     heap = content.index(b"GCOL") + 16
     content[heap : heap + 16] = bytes(16)
-    path.write_bytes(content)
+    copied.write_bytes(content)
     with pytest.raises(InputError, match="damaged or foreign file"):
-        load(tmp_path)
-    assert netcdf.stored(path) is None
+        load(copied.parent)
+    assert netcdf.stored(copied) is None
 
 
-@pytest.mark.usefixtures("plain_report")
 def test_an_array_that_does_not_fit_into_its_file_is_refused_before_it_is_read(
-    synthetic: Result, tmp_path: Path
+    copied: Path,
 ) -> None:
-    path = Path(synthetic.save(tmp_path)[0])
-    with h5py.File(path, "r+") as file:
+    with h5py.File(copied, "r+") as file:
         del file["pressure"]
         file.create_dataset("pressure", shape=(10**6, 10**6), chunks=(1000, 1000), dtype="f8")
     with pytest.raises(InputError, match="damaged or foreign file"):
-        load(tmp_path)
+        load(copied.parent)
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -492,9 +485,8 @@ def test_a_result_of_before_the_checksum_loads(synthetic: Result, tmp_path: Path
     assert_same(load(tmp_path), synthetic)
 
 
-@pytest.mark.usefixtures("plain_report")
-def test_another_record_is_no_result(synthetic: Result, tmp_path: Path) -> None:
-    with xr.open_dataset(synthetic.save(tmp_path)[0], engine="h5netcdf") as kept:
+def test_another_record_is_no_result(whole: Path, tmp_path: Path) -> None:
+    with xr.open_dataset(whole / "result.nc", engine="h5netcdf") as kept:
         other = kept.load().assign(record='{"dict": {}}')
     other.to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
     with pytest.raises(InputError, match="damaged or foreign file"):

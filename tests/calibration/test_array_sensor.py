@@ -131,6 +131,11 @@ def slow():
     return press(lambda r, depth: ROW.relaxed_pressure(r, depth[:, None]))
 
 
+@pytest.fixture(scope="module")
+def right(slow):
+    return fit_fingerpad(*slow, DISTANCE)
+
+
 def test_the_tabulated_cap_is_the_convolution():
     cap = BlurredCap(8.0, 10.0)
     r = np.array([0.0, 1.3, 4.9])
@@ -138,17 +143,15 @@ def test_the_tabulated_cap_is_the_convolution():
     assert cap(np.full(3, 5.1), r) == pytest.approx(want, abs=2e-4)
 
 
-def test_the_fit_returns_the_row_of_the_table_that_made_the_readings(slow):
-    fit = fit_fingerpad(*slow, DISTANCE)
+def test_the_fit_returns_the_row_of_the_table_that_made_the_readings(slow, right):
     wanted = {"radius": 14.0, "c0_b": 1.9, "m": 1.9}
-    assert fit.parameters == pytest.approx(wanted, rel=0.015)  # noise and a kinked time grid
-    assert fit.error == pytest.approx(0.5**2 / slow[1].var(), rel=0.05)  # the noise alone
+    assert right.parameters == pytest.approx(wanted, rel=0.015)  # noise and a kinked time grid
+    assert right.error == pytest.approx(0.5**2 / slow[1].var(), rel=0.05)  # the noise alone
 
 
 @pytest.mark.parametrize("offset", [0.08, -0.08])
-def test_a_touch_found_80_um_off_moves_b_by_a_quarter_and_hides_in_the_error(slow, offset):
+def test_a_touch_found_80_um_off_moves_b_by_a_quarter_and_hides_in_the_error(slow, right, offset):
     depth, pressure = slow
-    right = fit_fingerpad(depth, pressure, DISTANCE)
     fit = fit_fingerpad(depth + offset, pressure, DISTANCE)
     assert fit.error < right.error + 2e-4
     change = fit.parameters["c0_b"] / right.parameters["c0_b"] - 1

@@ -45,10 +45,10 @@ def test_the_highest_pressure_is_that_of_the_report_and_no_single_points():
 
 def test_that_of_elliptic_hertz_is_the_same_mean_of_its_closed_form():
     body = Elliptic(20.0, 9.8, 0.5, modulus=10.0, poisson=0.45)
-    line = (np.arange(4000) + 0.5) / 1000 - 2
+    line = (np.arange(800) + 0.5) / 200 - 2
     x, y = np.meshgrid(line, line)
     weight = np.exp(-np.pi * (x**2 + y**2))  # one over 1 mm² in the middle, whole 1
-    mean = (body.pressure(x, y) * weight).sum() * 1e-6
+    mean = (body.pressure(x, y) * weight).sum() / 200**2
     (found,) = share(np.array([body.semi_axes])) * body.peak_pressure
     assert found == pytest.approx(mean, rel=1e-5)
     small, large = share(np.array([[1e-3, 1e-3], [50.0, 30.0]]))

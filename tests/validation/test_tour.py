@@ -23,10 +23,13 @@ def blocks(language):
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.S | re.M)
 
 
-def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(tmp_path, monkeypatch):
+def test_what_the_readme_shows_runs_loads_and_is_drawn(tmp_path, monkeypatch, capsys):
+    """The scene and the Python, the section in the report, a picture, a page."""
     monkeypatch.chdir(tmp_path)
     (scene,), (code,) = blocks("toml"), blocks("python")
+    assert "\nhold = 2 " in scene
     coarse = scene.replace("[finger]", '[finger]\nresolution = "coarse"')
+    coarse = coarse.replace("\nhold = 2 ", "\nhold = 0.2 ")
     Path("mine.toml").write_text(coarse, encoding="utf-8")
     assert ff.Scene.from_toml(scene).ask.rel_error == 0.1
     names: dict[str, Any] = {}
@@ -42,6 +45,15 @@ def test_the_scene_and_the_python_of_the_readme_run_and_the_result_loads(tmp_pat
         "spikes.csv",
         "units.csv",
     }
+    assert 'id="section"' in Path("out/report.html").read_text(encoding="utf-8")
+    assert main(["view", "out", "--field", "tensile strain", "--html", "strain.html"]) == 0
+    page = Path("strain.html").read_text(encoding="utf-8")
+    assert '"my-press", "words": "pressed (logarithmic strain)"' in page
+    if not view.renderer_lacking():
+        assert main(["view", "out", "--field", "pressure", "--screenshot", "pad.png"]) == 0
+        with Image.open("pad.png") as picture:
+            assert np.ptp(np.asarray(picture)) > 100
+    assert "Traceback" not in capsys.readouterr().err
 
 
 def test_every_command_of_the_readme_is_one(capsys):
@@ -61,21 +73,3 @@ def test_every_built_in_scene_can_be_answered(name):
         assert not plan.chosen.refusals
     else:
         assert plan.mechanics == scene.ask.mechanics
-
-
-def test_the_tour_a_press_and_its_strain_field_in_pictures(tmp_path, monkeypatch, capsys):
-    """Press a finger, look at its strain: the section in the report, a picture, a page."""
-    monkeypatch.chdir(tmp_path)
-    coarse = ["--set", "finger.resolution=coarse", "--set", "motion.hold=0.1"]
-    coarse += ["--set", "ask.rel_error=0.1", "--set", "ask.spikes=[]"]
-    assert main(["run", "flat-press", *coarse, "-o", "out"]) == 0
-    report = Path("out/report.html").read_text(encoding="utf-8")
-    assert 'id="section"' in report
-    assert main(["view", "out", "--field", "tensile strain", "--html", "strain.html"]) == 0
-    page = Path("strain.html").read_text(encoding="utf-8")
-    assert '"flat-press", "words": "pressed (logarithmic strain)"' in page
-    if not view.renderer_lacking():
-        assert main(["view", "out", "--field", "pressure", "--screenshot", "pad.png"]) == 0
-        with Image.open("pad.png") as picture:
-            assert np.ptp(np.asarray(picture)) > 100
-    assert "Traceback" not in capsys.readouterr().err
