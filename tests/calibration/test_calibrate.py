@@ -43,19 +43,6 @@ OF_AH = ("none.csv", "--subject", "a.h.")
 PRONY = Prony((0.3, 0.42, 0.16, 0.12), (220.0, 9.0, 0.6))
 
 
-@pytest.fixture
-def one_start(monkeypatch):
-    """Fit from one start instead of four."""
-    starts = targets.Forces.starts
-    monkeypatch.setattr(targets.Forces, "starts", lambda self: starts(self)[1:2])
-
-
-@pytest.fixture
-def plain_rig(monkeypatch, one_start):
-    """Leave out the fits of what rigs rarely do too, where they are not the question."""
-    monkeypatch.setattr(search, "with_rare", lambda result, *_: result)
-
-
 def record_of(one, factor, x0, noise=3e-3, give=0.0, lag=0.0, end=5.0):
     """Return a ramp and hold (n_t, 3) of a finger, with noise like that of the thesis.
 

@@ -30,6 +30,7 @@ def test_a_fast_ramp_tells_the_fast_term_and_a_long_hold_the_slow_one(planned):
     assert long["v3"] < 0.7 * fast["v3"]
 
 
+@pytest.mark.usefixtures("plain_rig")
 def test_what_is_expected_is_what_a_calibration_states(planned, law, tmp_path, write):
     """Of a record with that noise, of a finger near the expected one."""
     rng, time = np.random.default_rng(0), np.arange(0.0, 2.13, 2e-4)

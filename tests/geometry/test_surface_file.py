@@ -1,6 +1,6 @@
 """Surface files of a finger: every format, repaired where that is safe, refused with what to do."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +11,7 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
+from fefinger.geometry import scan_fit
 from fefinger.geometry.surface_file import SurfaceFile, read_surface
 from fefinger.geometry.surface_repair import crossings
 from fefinger.mesh import shell as surface
@@ -20,6 +21,14 @@ from fefinger.support.checks import InputError
 
 
 trimesh = pytest.importorskip("trimesh")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _few_harmonics() -> Iterator[None]:
+    """Smooth by few harmonics: how well they do it is asked in test_scan_fit.py."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(scan_fit, "DEGREE", 10)
+        yield
 
 
 @cache

@@ -69,7 +69,7 @@ def test_a_triangle_vibrates_near_its_own_frequency_and_not_at_its_corners() -> 
     assert 4.0 <= motion.highest_frequency < 20.0
 
 
-@pytest.mark.parametrize(("rate", "seconds"), [(5000, 0.1), (1000, 1.0)])
+@pytest.mark.parametrize(("rate", "seconds"), [(2000, 0.1), (1000, 1.0)])
 def test_noise_of_a_record_is_no_vibration(rate: int, seconds: float) -> None:
     time, scatter = np.arange(0.0, 2.0, 1 / rate), 1e-3  # mm
     recorded = press(time, seconds) + np.random.default_rng(1).normal(0.0, scatter, len(time))

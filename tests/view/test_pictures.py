@@ -112,7 +112,7 @@ def test_halved_triangles_cover_the_same_and_keep_linear_values():
 
 
 @needs_renderer
-@pytest.mark.parametrize("field", ["pressure", "compressive strain", "strain xz"])
+@pytest.mark.parametrize("field", ["pressure", "strain xz"])
 def test_a_view_in_space_shows_something(synthetic, tmp_path, field):
     view.screenshot(synthetic, tmp_path / "a.png", field, 0.0)
     drawn = picture(tmp_path / "a.png")
@@ -318,7 +318,7 @@ def test_without_a_display_the_window_is_refused(synthetic, monkeypatch):
 
 
 @needs_renderer
-@pytest.mark.parametrize("thicker", [0.5, 1.0, 3.0])
+@pytest.mark.parametrize("thicker", [0.5, 3.0])
 def test_a_mesh_is_drawn_cut_open_between_title_and_legend(synthetic, tmp_path, thicker):
     fields = synthetic.fields
     mesh = FingerMesh(
