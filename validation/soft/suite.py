@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 from fefinger.validation.case import Case, Expected
-from fefinger.validation.soft.meshed import DEPTHS, RADIUS, SoftBlock
+from fefinger.validation.soft.meshed import DEPTHS, DOME, RADIUS, SoftBlock, errors_beside_a_dome
 
 from fefinger.mechanics import condensed, solid
 from fefinger.scene.ask import Ask
@@ -22,6 +22,11 @@ THICK = {"a layer of 6 mm": 6.0, "20 mm, near a half-space": 20.0}
 
 SIZE = 1.2
 """Edge of the cells under the ball in mm, a third of the largest contact radius."""
+
+MIRRORED = "both bodies meshed: one under a rigid plate at half of the approach, by symmetry"
+
+LAYER = 6.0
+"""Thickness of the domes in mm."""
 
 PLATES = {100.0: 0.03, 20.0: 0.01}
 """Moduli of soft plates in kPa, and the error that finite strain of the skin has under them."""
@@ -58,6 +63,15 @@ def cases(*, quick: bool) -> Iterator[Case]:
                 Expected(0.0, 0.03),
                 MESHED,
                 reason="small strain on a flat body: contact reaches 0.4 of the radius of the ball",
+            )
+    for k, depth in enumerate(DEPTHS):
+        if not quick:
+            yield Case(
+                f"two equal domes of {DOME:g} mm, {LAYER:g} mm thick, {depth:g} mm: force",
+                partial(lambda k: errors_beside_a_dome(LAYER)[k], k),
+                Expected(0.0, 0.07),
+                MIRRORED,
+                reason="small strain on a flat body, for a dome that is bonded to a round core",
             )
     for modulus, error in PLATES.items():
         if not quick:

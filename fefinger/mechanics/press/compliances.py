@@ -136,12 +136,20 @@ def pressing_object(indenter: Indenter | OwnObstacle, solid: Solid, on: Patch) -
 @one_thread
 def object_surface(indenter: Indenter, solid: Solid, contact: ContactSurface) -> ObjectSurface:
     """Return the surface of the object that presses the candidates of a solid at finite strain."""
-    body, on = indenter.soft_body, contact.on
+    body = indenter.soft_body
     if body is None:
         return RIGID_SURFACE
-    corners = np.ascontiguousarray(solid.space.points[on.part.triangles])
+    return elastic_surface(body, solid.space, contact, images_of(solid))
+
+
+def elastic_surface(
+    body: Stack, space: Space, contact: ContactSurface, images: Array
+) -> ElasticSurface:
+    """Return the surface of a body on candidates; images as of `images_of`."""
+    on = contact.on
+    corners = np.ascontiguousarray(space.points[on.part.triangles])
     skin = Facets(corners, on.owner, np.ascontiguousarray(on.part.places), on.part.hats)
-    count, made, images = len(contact), kernel(body), images_of(solid)
+    count, made = len(contact), kernel(body)
     flat = skin.places.reshape(-1, 3)
     places = moved_points(made, skin, flat, count, images).reshape(*skin.places.shape[:2], count)
     around = np.ascontiguousarray(contact.at_rest)
