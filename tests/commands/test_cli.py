@@ -429,7 +429,9 @@ def test_every_public_name_can_be_had_from_the_package():
 def test_a_run_whose_streams_are_closed_is_saved(tmp_path):
     """As under a supervisor that gives none: no answer is lost on the way to nowhere."""
     command = [sys.executable, "-m", "fefinger", "run", "flat-press", "--mechanics", "hertz"]
-    command += ["--set", "ask.fields=false", "--set", "ask.spikes=[]", "-o", str(tmp_path / "out")]
+    for part in ("fields=false", "pressure=false", "strain=false", "spikes=[]"):
+        command += ["--set", f"ask.{part}"]
+    command += [*QUICK, "-o", str(tmp_path / "out")]
     closed = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", *command]
     assert subprocess.run(closed, check=False).returncode == 0
     assert ff.load(tmp_path / "out").force.max() > 0

@@ -182,7 +182,7 @@ def test_without_friction_it_is_the_contact_without():
 @pytest.mark.parametrize("branches", [ELASTIC, BRANCHES], ids=["elastic", "relaxing"])
 def test_no_energy_is_gained_along_a_closed_path_with_friction(branches):
     """What the object does is stored, lost by friction, or by relaxation; never more."""
-    n, side, count = 24, 4.0, 40
+    n, side, count = 16, 4.0, 40
     gap = waves(n, side)
     press = gripped(n, side, gap, (0.4, 0.4), 0.3, branches, tolerance=1e-7)
     turn = 2 * np.pi * np.arange(2 * count + 1) / count

@@ -50,17 +50,11 @@ def test_calibrated_fingers_have_the_meshes_they_were_fitted_on(subject: str) ->
         assert recipe["pad_radius"] == report["pad_radius"]
 
 
-def test_cells_are_positive_and_angles_above_the_limit(mesh: FingerMesh) -> None:
+def test_cells_are_good_and_share_all_vertices_and_faces(mesh: FingerMesh) -> None:
     assert volumes(mesh.points, mesh.cells).min() > 0
     assert dihedral_angles(mesh.points, mesh.cells).min() >= MIN_DIHEDRAL
     gate(mesh.quality)
-
-
-def test_every_vertex_is_used(mesh: FingerMesh) -> None:
     assert np.array_equal(np.unique(mesh.cells), np.arange(len(mesh.points)))
-
-
-def test_faces_are_shared_by_two_cells_or_named_once(mesh: FingerMesh) -> None:
     assert_closed(mesh, "bone")
 
 
@@ -86,40 +80,28 @@ def test_bone_facets_are_the_faces_between_bone_and_soft_tissue(mesh: FingerMesh
     assert np.array_equal(np.unique(found), np.intersect1d(soft, bone))
 
 
-def test_facets_point_out_of_the_soft_tissue(mesh: FingerMesh) -> None:
+def test_facets_point_out_of_the_soft_tissue_and_close_it(mesh: FingerMesh) -> None:
     soft = mesh.cells[mesh.region != BONE]
     outward = numbered(from_least(faces(soft).reshape(-1, 3)), len(mesh.points))
     for name in ("pad", "nail", "cut", "bone"):
         found = numbered(from_least(mesh.facets[name]), len(mesh.points))
         assert np.isin(found, outward).all(), name
-
-
-def test_soft_tissue_is_closed_by_its_facets(mesh: FingerMesh) -> None:
     # Without the soft part of y = 0, where x.n = 0.
     soft = volumes(mesh.points, mesh.cells[mesh.region != BONE]).sum()
     assert enclosed(mesh, "pad", "nail", "cut", "bone") == pytest.approx(soft, rel=1e-9)
 
 
-def test_regions_agree_with_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
+def test_regions_pad_and_volumes_are_those_of_the_smooth_shapes(
+    mesh: FingerMesh, shape: Shape
+) -> None:
     for cells, region in ((mesh.cells[mesh.region == k], k) for k in (1, 2, 3)):
         used = mesh.points[np.unique(cells)]
         inside, outside = shape.shells[region - 1], shape.shells[region:][:1]
         assert inside.level(used).max() < 0.06
         for shell in outside:
             assert shell.level(used).min() > -0.06
-
-
-def test_pad_vertices_lie_on_the_smooth_surface(mesh: FingerMesh, shape: Shape) -> None:
     pad = mesh.points[np.unique(mesh.facets["pad"])]
     assert np.abs(shape.skin.level(pad)).max() < 1e-6
-
-
-def test_measured_radii_are_those_of_the_design(mesh: FingerMesh) -> None:
-    wanted = radii(Recipe(**mesh.recipe))
-    assert measured_radii(mesh) == pytest.approx(wanted, rel=STRICT.radius)
-
-
-def test_volumes_are_those_of_the_smooth_shapes(mesh: FingerMesh, shape: Shape) -> None:
     # Independent of the surfaces that the mesher got: sections integrated along the finger.
     inside = [section_volume(shell) for shell in shape.shells]
     own = [inside[0] - inside[1], inside[1] - inside[2], inside[2]]
@@ -128,7 +110,12 @@ def test_volumes_are_those_of_the_smooth_shapes(mesh: FingerMesh, shape: Shape) 
     assert found == pytest.approx(own, rel=STRICT.volume)
 
 
-def test_medial_plane_and_cut_are_exact(mesh: FingerMesh, shape: Shape) -> None:
+def test_measured_radii_are_those_of_the_design(mesh: FingerMesh) -> None:
+    wanted = radii(Recipe(**mesh.recipe))
+    assert measured_radii(mesh) == pytest.approx(wanted, rel=STRICT.radius)
+
+
+def test_planes_and_first_touch_are_exact(mesh: FingerMesh, shape: Shape) -> None:
     medial = np.unique(mesh.facets["medial"])
     assert np.all(mesh.points[medial, 1] == 0.0)
     assert np.all(np.delete(mesh.points[:, 1], medial) > 0.0)
@@ -136,9 +123,6 @@ def test_medial_plane_and_cut_are_exact(mesh: FingerMesh, shape: Shape) -> None:
     # exact: one plane, as it is stored
     assert np.all(mesh.points[ends, 0] == mesh.points[:, 0].min())
     assert mesh.points[:, 0].min() == pytest.approx(shape.skin.cut)
-
-
-def test_plate_at_30_degrees_touches_first_at_the_origin(mesh: FingerMesh) -> None:
     pad = mesh.points[np.unique(mesh.facets["pad"])]
     heights = pad @ PLATE_NORMAL
     assert heights.max() == pytest.approx(0.0, abs=1e-6)
