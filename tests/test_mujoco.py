@@ -94,7 +94,7 @@ def test_two_fingers_hold_a_cube_at_a_fifth_more_than_the_least_force() -> None:
         for each, tip in zip(("right", "left"), tips, strict=True)
     ]
     model.opt.gravity[2], height = 0.0, []
-    for k in range(1200):
+    for k in range(900):
         data.ctrl[:] = grip * min(k / 100, 1.0)
         model.opt.gravity[2] = -GRAVITY * np.clip((k - 150) / 150, 0.0, 1.0)
         touches = [each.step(data) for each in feel]
@@ -105,7 +105,7 @@ def test_two_fingers_hold_a_cube_at_a_fifth_more_than_the_least_force() -> None:
     upward = sum(-touch.wrench[0, 0] for touch in touches)
     assert upward == pytest.approx(mass * GRAVITY, rel=0.02)
     assert -1.2 < height[-1] < -0.1  # the pads shear
-    assert abs(height[-1] - height[-400]) < 0.05  # and creep, but nothing slips
+    assert abs(height[-1] - height[-300]) < 0.05  # and creep, but nothing slips
     assert all(touch.stick_area[0] > 0.5 * touch.contact_area[0] for touch in touches)
 
 
