@@ -119,11 +119,21 @@ def solved(by_formula, monkeypatch):
     return by_formula(monkeypatch)
 
 
-@pytest.fixture
-def one_start(monkeypatch):
-    """Fit from one start instead of four."""
+@pytest.fixture(scope="session")
+def start_once():
+    """Return a patch by which fits have one start instead of four."""
     starts = targets.Forces.starts
-    monkeypatch.setattr(targets.Forces, "starts", lambda self: starts(self)[1:2])
+
+    def patch(patched):
+        patched.setattr(targets.Forces, "starts", lambda self: starts(self)[1:2])
+
+    return patch
+
+
+@pytest.fixture
+def one_start(start_once, monkeypatch):
+    """Fit from one start."""
+    start_once(monkeypatch)
 
 
 @pytest.fixture

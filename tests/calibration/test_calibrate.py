@@ -86,7 +86,7 @@ def test_what_cannot_be_used_is_refused_before_anything_is_fitted(given, expecte
 
 
 @pytest.fixture(scope="module")
-def fitted(tmp_path_factory, by_formula, linear, write):
+def fitted(tmp_path_factory, by_formula, start_once, linear, write):
     """Let the command fit a record and predict a sinusoid: what it prints, where, in which time."""
     folder, one = tmp_path_factory.mktemp("fitted"), linear.at(0.9, 14.0)
     press = write(folder / "press.csv", record_of(one, 1.3, 0.4))
@@ -95,6 +95,7 @@ def fitted(tmp_path_factory, by_formula, linear, write):
     out, started = io.StringIO(), time.process_time()
     with pytest.MonkeyPatch.context() as patched, redirect_stdout(out):
         by_formula(patched)
+        start_once(patched)
         assert main([*words, "--check", str(check), "-o", str(folder / "out")]) == 0
     return json.loads(out.getvalue()), folder, time.process_time() - started
 
@@ -522,7 +523,7 @@ def test_after_a_press_that_buckled_later_ones_on_its_mesh_spare_less(monkeypatc
     assert spares == [SPARE, SPARE, LATER, SPARE]
 
 
-@pytest.mark.usefixtures("solved")
+@pytest.mark.usefixtures("solved", "one_start")
 @pytest.mark.parametrize("needed", [1.0, 3.0])
 def test_a_press_that_ends_early_is_told_and_ends_those_after_it_if_it_holds_what_is_needed(
     monkeypatch, formula, needed

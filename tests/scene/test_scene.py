@@ -4,6 +4,7 @@ import pickle
 import tomllib
 from dataclasses import replace
 from datetime import date
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -428,6 +429,7 @@ def test_the_path_of_a_surface_survives_toml(tmp_path):
 ODD_VALUES = [[], {}, "x", "", float("nan"), float("inf"), -1, 0, 10**20, True, [1], [[]], {"a": 1}]
 
 
+@cache
 def keys_of_scenes():
     """Return each key of each kind of part once, with a scene that has it."""
     found = {}
