@@ -371,7 +371,7 @@ def stiffening(kept: Path) -> Iterator[ff.TactileFinger]:
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(elastic_press, "PART", 0.6 / STIFFENING.thickness)
         patched.setattr(elastic_press, "STEPS", 6)
-        patched.setattr(tactile_finger, "ANGLES", (0.0, 27.0, 30.0, 36.0))
+        patched.setattr(tactile_finger, "ANGLES", (0.0, 27.0, 30.0))
         yield ff.TactileFinger(STIFFENING, deepest=0.6)
     shutil.rmtree(kept / "fefinger" / "elastic")
 

@@ -148,7 +148,7 @@ def test_the_bed_under_a_contact_is_as_stiff_as_stability_asks(monkeypatch: pyte
 
 def test_a_step_too_large_is_reported():
     with pytest.raises(ConvergenceError, match="press less deep"):
-        squeezed(material_of(Elastic(40.0, 0.5)), [1.2])
+        pressed_to(cube(material_of(Elastic(40.0, 0.5)), 1), 1.2)
 
 
 # Through time
@@ -397,7 +397,7 @@ def test_an_iteration_that_comes_no_nearer_is_given_up(
     """Sooner where more is out of balance than presses."""
     monkeypatch.setattr(newton, "relative_error", lambda *_: error)
     with pytest.raises(ConvergenceError, match=f"after {iterations} iterations"):
-        squeezed(material_of(Elastic(40.0, 0.3)), [0.2])
+        pressed_to(cube(material_of(Elastic(40.0, 0.3)), 1), 0.2)
 
 
 def test_large_errors_that_fall_are_not_stagnant():

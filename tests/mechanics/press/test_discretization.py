@@ -9,7 +9,6 @@ from fefinger.mechanics.press.mesh_limits import CLOSE, NEAR, gap, needs_continu
 from fefinger.mechanics.situation import Situation
 from fefinger.mesh.extend import NOTE
 from fefinger.pipeline import run
-from fefinger.support.checks import InputError
 
 
 def finger(subject: str) -> ff.Finger:
@@ -83,12 +82,6 @@ def test_beyond_the_continuation_the_press_is_refused() -> None:
     assert sure.about == "ability"
     assert "contact reaches the end" in sure.reason
     assert sure in solid.refuse(deep)
-
-
-def test_contact_that_does_reach_the_end_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fefinger.mechanics.press.problem.needs_continuation", lambda *_: False)
-    with pytest.raises(InputError, match="it reaches the proximal cut"):
-        run(pressed("d.s.", 2.4), mechanics="linear")
 
 
 def test_steeper_plates_and_other_objects_are_not_asked_about_it() -> None:
