@@ -285,10 +285,9 @@ def test_ridges_take_less_force_and_touch_less(plate: float) -> None:
     assert peak(ff.Cylinder(3.0, roll=90)) < plate
 
 
-@pytest.mark.parametrize("roll", [0.0, 90.0])
-def test_a_half_finger_under_a_cylinder_is_half_of_the_whole(roll: float) -> None:
-    aside = peak(ff.Cylinder(4.0, roll=roll, at=(-1.0, 1e-6)))
-    assert peak(ff.Cylinder(4.0, roll=roll, at=(-1.0, 0.0))) == pytest.approx(aside, rel=1e-4)
+def test_a_half_finger_under_a_cylinder_is_half_of_the_whole() -> None:
+    aside = peak(ff.Cylinder(4.0, roll=90.0, at=(-1.0, 1e-6)))
+    assert peak(ff.Cylinder(4.0, roll=90.0, at=(-1.0, 0.0))) == pytest.approx(aside, rel=1e-4)
 
 
 def test_which_objects_are_their_own_mirror_image() -> None:
