@@ -9,6 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.mechanics import condensed, get
@@ -339,11 +340,17 @@ def test_a_step_is_to_a_depth_or_to_a_force() -> None:
 @pytest.mark.parametrize("kind", ["pressed", "condensed", "modal", "sliding"])
 def test_a_depth_or_a_step_that_is_no_number_is_refused(kind: str) -> None:
     finger = loop(kind)
-    for wrong in ("0.3", 1j, True, np.array([0.1, 0.2])):
-        with pytest.raises(ff.InputError, match="depth: expected"):
-            finger.step(1e-3, depth=wrong)
-        with pytest.raises(ff.InputError, match="dt: expected"):
+    for wrong in ("0.3", 1j, True, np.array([0.1, 0.2]), np.nan, np.inf):
+        for strain in (True, False):
+            with refused("depth"):
+                finger.step(1e-3, depth=wrong, strain=strain)
+        with refused("dt"):
             finger.step(wrong, depth=0.1)
+    with refused("dt"):
+        finger.step(-1e-3, depth=0.1)
+    for wrong in (-0.1, np.nan):
+        with refused("force"):
+            finger.step(1e-3, force=wrong)
     assert finger.step(1e-3, depth=np.array(0)).depth == 0.0
 
 

@@ -227,7 +227,7 @@ def test_tissue_that_relaxes_otherwise_is_for_solid_alone(
     assert 0 < abs(found.force.max() / plain - 1) < 0.5
 
 
-@pytest.mark.usefixtures("few_steps")
+@pytest.mark.usefixtures("few_steps", "plain_report")
 def test_a_run_that_has_to_stop_keeps_and_saves_what_it_reached(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
