@@ -44,10 +44,18 @@ def test_a_mesher_that_fails_is_an_error_and_not_the_end(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     """In this process it would end us, print, and put the handler of SIGINT back."""
-    handler = signal.getsignal(signal.SIGINT)
-    with pytest.raises(ConvergenceError, match="mesher: it ended with status"):
-        tetrahedra([(np.eye(3), np.empty((0, 3), int))], lambda p: np.ones(len(p)), ROUGH)
-    assert signal.getsignal(signal.SIGINT) is handler
+
+    def stop(signum, frame):
+        raise KeyboardInterrupt
+
+    handler = signal.signal(signal.SIGINT, stop)
+    try:
+        with pytest.raises(ConvergenceError, match="mesher: it ended with status"):
+            tetrahedra([(np.eye(3), np.empty((0, 3), int))], lambda p: np.ones(len(p)), ROUGH)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, handler)
     assert capfd.readouterr() == ("", "")
 
 
