@@ -6,20 +6,18 @@ them are a header. Of MATLAB and HDF5 files the columns are the series of the mo
 
 import io
 import re
-import warnings
-import zlib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fefinger.support import array_files
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
+from fefinger.support.checks import HUGE, InputError
 from fefinger.support.csv_columns import shortened
-from fefinger.support.inputs import MOST, check_heaps, check_input
+from fefinger.support.inputs import MOST, check_input
 from fefinger.support.recordings import Recording, is_unit
 
 
@@ -66,16 +64,19 @@ def read(field: str, file: str | Path) -> Recording:
         raise InputError(f"{msg}; cut out the part that matters")
     kind = path.suffix.lower()
     if kind == ".mat":
-        found = _columns(field, _matlab(field, path))
+        found = _columns(field, array_files.matlab(field, path))
     elif kind in (".h5", ".hdf5", ".hdf", ".nc"):
-        found = _columns(field, _hdf5(field, path))
+        found = _columns(field, array_files.hdf5(field, path))
     else:
         found = _long(field, path) or _text(field, _decoded(field, path.read_bytes()))
-    if not np.isfinite(found.values).all():
-        row, column = np.argwhere(~np.isfinite(found.values))[0].tolist()
+    wrong = np.argwhere(~(np.abs(found.values) <= HUGE))
+    if wrong.size:
+        row, column = wrong[0].tolist()
+        finite = np.isfinite(found.values[row, column])
+        expected = f"a size of at most {HUGE:g}" if finite else "a finite number"
         raise InputError(
-            f"{field}: line {found.line(row)}, column {found.headers[column]}: expected a finite "
-            f"number, received {found.values[row, column]:g}; remove rows without a value"
+            f"{field}: line {found.line(row)}, column {found.headers[column]}: expected "
+            f"{expected}, received {found.values[row, column]:g}; remove rows without a value"
         )
     return found
 
@@ -249,6 +250,8 @@ def _labview(field: str, text: str) -> Recording:
     mark = {"Comma": ",", "Tab": "\t"}.get(next(iter(head.get("Separator", [])), "Tab"), "\t")
     decimal = next(iter(head.get("Decimal_Separator", [])), ".")
     lines = [line for line in body.splitlines() if line.strip()]
+    if len(lines) < 2:
+        raise InputError(f"{field}: expected names and rows of numbers below {END}, received none")
     names = [cell.strip() for cell in lines[0].split(mark)]
     names = names[:-1] if names[-1] == "Comment" else names
     has_time = next(iter(head.get("X_Columns", [])), "One") != "No"
@@ -265,106 +268,15 @@ def _labview(field: str, text: str) -> Recording:
     stated = iter(head.get("Y_Unit_Label", []))
     units = ["s" if name == "X_Value" else next(stated, "") for name in labels]
     if not has_time:
-        start, step = (_number(head.get(key, [""])[0], decimal) for key in ("X0", "Delta_X"))
+        start, step = (
+            _number(next(iter(head.get(key, [])), ""), decimal) for key in ("X0", "Delta_X")
+        )
         if step is None:
             raise InputError(f"{field}: expected Delta_X, the time between rows, received none")
-        values = np.column_stack([(start or 0.0) + step * np.arange(len(values)), values])
+        values = np.column_stack([_times(step, len(values)) + (start or 0.0), values])
         labels, units = ["X_Value", *labels], ["s", *units]
     offset = text[: len(text) - len(body)].count("\n") + 3
     return Recording(field, tuple(labels), tuple(units), values, lambda row: row + offset)
-
-
-def _matlab(field: str, path: Path) -> Mapping[str, Any]:
-    """Return the variables of a MATLAB file by name; fields of a struct are "name.field"."""
-    from scipy.io import loadmat
-
-    if path.read_bytes()[:128].startswith(b"MATLAB 7.3") or _is_hdf5(path):
-        return _hdf5(field, path)
-    most = 2.5e8  # bytes: four million rows of seven numbers
-    if _unpacked(path.read_bytes(), most) > most:
-        raise InputError(
-            f"{field}: expected a MATLAB file with at most {most / 1e6:g} MB of values, received "
-            "more, packed; cut out the part that matters"
-        )
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of objects that are no numbers
-            stored = loadmat(path, simplify_cells=True)
-    except Exception as error:  # of any class, by what the bytes are
-        raise InputError(f"{field}: expected a MATLAB file, received another: {error}") from None
-    return {name: value for name, value in _flat(stored) if not name.startswith("__")}
-
-
-def _unpacked(content: bytes, most: float) -> int:
-    """Count the bytes of the packed variables of a MATLAB file when they are unpacked, up to most.
-
-    The library would unpack whatever the file says, a thousand times its size.
-    """
-    order: Literal["little", "big"] = "little" if content[126:128] == b"IM" else "big"
-    at, size = 128, 0
-    while at + 8 <= len(content):
-        kind, length = (int.from_bytes(content[at + i : at + i + 4], order) for i in (0, 4))
-        left = content[at + 8 : at + 8 + length] if kind == 15 else b""  # 15: packed
-        unpacker = zlib.decompressobj()
-        with suppress(zlib.error):  # which the library reports
-            while left and size <= most:
-                size += len(unpacker.decompress(left, 1 << 20))
-                left = unpacker.unconsumed_tail
-        at += 8 + length
-    return size
-
-
-def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, value
-
-
-def _is_hdf5(path: Path) -> bool:
-    import h5py
-
-    return bool(h5py.is_hdf5(path))
-
-
-def _hdf5(field: str, path: Path) -> Mapping[str, Any]:
-    """Return the data sets of an HDF5 file by name; units are (unit, values)."""
-    import h5py
-
-    found: dict[str, Any] = {}
-
-    most = 1.25e8  # numbers: a gigabyte of them
-
-    def visit(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "iuf" and item.size is not None:
-            if sum(values.size for _, values in found.values()) + item.size > most:
-                raise InputError(
-                    f"{field}: expected at most {most:g} numbers, received more in "
-                    f"{name!r}; cut out the part that matters"
-                )
-            unit = next((item.attrs[key] for key in ("units", "unit") if key in item.attrs), "")
-            found[name.replace("/", ".")] = (_unit(unit), np.asarray(item[()]))
-
-    try:
-        check_heaps(path)
-        with h5py.File(path) as file:
-            file.visititems(visit)
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:  # of any class, by what the bytes are
-        raise InputError(
-            f"{field}: expected an HDF5 file, received a damaged or another one: {error}"
-        ) from None
-    return found
-
-
-def _unit(stated: object) -> str:
-    """Return a unit as an attribute states it; "" for what is no text."""
-    value = stated.item() if isinstance(stated, np.ndarray) and stated.size == 1 else stated
-    if isinstance(value, bytes):
-        value = value.decode("utf-8", "replace")
-    return value if isinstance(value, str) else ""
 
 
 def _check_rows(field: str, length: int, count: int) -> None:
@@ -383,9 +295,10 @@ def _columns(field: str, stored: Mapping[str, Any]) -> Recording:
     for name, value in stored.items():
         unit, value = value if isinstance(value, tuple) else ("", value)
         array = np.asarray(value)
-        if array.dtype.kind not in "iuf":
+        if array.dtype.kind not in "iuf" or array.size == 0:
             continue
-        array = np.squeeze(array.astype(float))
+        with np.errstate(over="ignore"):  # of long doubles, refused with other sizes
+            array = np.squeeze(array.astype(float))
         if array.ndim == 0:
             scalars[name.rpartition(".")[2].lower()] = float(array)
         elif array.ndim == 1:
@@ -407,10 +320,17 @@ def _columns(field: str, stored: Mapping[str, Any]) -> Recording:
     if len(set(names)) < len(names):
         names = [each.name for each in series]
     if step is not None and not any(name.lower() in ("time", "t") for name in names):
-        series.insert(0, Series("time", "s", np.arange(length) * np.float64(step)))
+        series.insert(0, Series("time", "s", _times(step, length)))
         names.insert(0, "time")
     values = np.column_stack([each.values for each in series])
     return Recording(field, tuple(names), tuple(each.unit for each in series), values, _row_number)
+
+
+def _times(step: float, count: int) -> Array:
+    """Return times (count,) from 0 on; ones beyond all bounds are refused with what a file has."""
+    with np.errstate(all="ignore"):
+        times: Array = np.arange(count) * np.float64(step)
+    return times
 
 
 def _row_number(row: int) -> int:

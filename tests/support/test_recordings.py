@@ -138,6 +138,53 @@ def test_what_is_no_record_is_refused_with_its_place(tmp_path, text, message):
     assert str(refused.value).startswith(str(file))
 
 
+def _without_rows(file):
+    file.write_text(lvm("No").partition("X_Value")[0])
+
+
+def _without_step(file):
+    file.write_text(lvm("No").replace("Delta_X\t0,001\t0,001", "Delta_X"))
+
+
+def _with_endless_steps(file):
+    file.write_text(lvm("No").replace("Delta_X\t0,001", "Delta_X\tinf"))
+
+
+def _far_away(file):
+    file.write_text("time,position (m),force\n0,0,0\n1,1e306,1\n")
+
+
+def _with_long_doubles(file):
+    with h5py.File(file, "w") as out:
+        out["time"] = PRESS[:, 0].astype(np.longdouble) * np.longdouble("1e4000")
+
+
+def _of_no_type(file):
+    """Give the last values of a file a type that there is not, at which SciPy ends Python."""
+    savemat(file, {"trial": {"t": PRESS[:, 0]}})
+    content = bytearray(file.read_bytes())
+    content[-PRESS[:, 0].nbytes - 8] = 255
+    file.write_bytes(content)
+
+
+UNUSUAL = {
+    "names alone.lvm": (_without_rows, "names and rows of numbers below"),
+    "no step.lvm": (_without_step, "expected Delta_X, the time between rows, received none"),
+    "endless.lvm": (_with_endless_steps, "expected a finite number, received nan"),
+    "far.csv": (_far_away, r"line 3, column position \(m\): expected a size of at most 1e\+30"),
+    "long.h5": (_with_long_doubles, "column time: expected a finite number, received inf"),
+    "type.mat": (_of_no_type, "expected a MATLAB file, received a damaged one"),
+}
+
+
+@pytest.mark.parametrize(("name", "case"), UNUSUAL.items(), ids=UNUSUAL)
+def test_a_file_that_is_nearly_one_of_its_kind_is_refused(tmp_path, name, case):
+    write, message = case
+    write(tmp_path / name)
+    with pytest.raises(InputError, match=message):
+        recording_files.read(name, tmp_path / name).pick(WANTED)
+
+
 @pytest.mark.parametrize("name", ["a.mat", "a.h5", "a.csv", "a.lvm"])
 def test_bytes_that_are_no_file_of_their_kind_are_refused(tmp_path, name):
     file = tmp_path / name
