@@ -4,6 +4,7 @@ The commands are imported after signals are blocked: Ctrl-C would end an import 
 """
 
 import gc
+import io
 import os
 import sys
 
@@ -21,15 +22,18 @@ except KeyboardInterrupt:
 
 
 def _open_streams() -> None:
-    """Open standard streams that the caller has closed, as by `2>&-`: what is written is dropped.
+    """Open standard streams that were closed, as by `2>&-`, and let all print what they cannot.
 
-    The next file would else take their number, and messages of libraries would go into it.
+    What is written to closed ones is dropped. The next file would else take their number, and
+    messages of libraries would go into it.
     """
     for name in ("stdin", "stdout", "stderr"):
         if getattr(sys, name) is None:
             stream = open(os.devnull, "r" if name == "stdin" else "w")
             os.set_inheritable(stream.fileno(), True)  # for the workers of a study
             setattr(sys, name, stream)
+    if isinstance(sys.stdout, io.TextIOWrapper):  # bytes in the name of a file, as on stderr
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -13,16 +13,18 @@ to the next, so that an object of mass m on a pad of stiffness k needs a time st
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fefinger.mechanics.press.tactile_parts import poses
 from fefinger.mechanics.tactile_finger import TactileFinger
 from fefinger.results.touch import Touch
-from fefinger.shapes import Shape
+from fefinger.shapes import Shape, Sphere
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError
+from fefinger.support.checks import InputError, instance, shown
 
 
 if TYPE_CHECKING:
@@ -51,13 +53,20 @@ class Coupling:
         rotation: ArrayLike,
         place: ArrayLike,
     ) -> None:
+        import mujoco
+
+        instance("model", model, mujoco.MjModel, "a model, as mujoco.MjModel.from_xml_path")
+        instance("finger", finger, TactileFinger, "a finger, as ff.TactileFinger(...)")
+        instance("geoms", geoms, Mapping, 'a shape by the name of each, as {"ball": ...}')
         if finger.worlds != 1:
             raise InputError(f"finger: expected one of a single world, received {finger.worlds}")
         self.model, self.finger, self.shapes = model, finger, tuple(geoms.values())
         self._body = _number(model, "body", body)
         self._geoms = [_number(model, "geom", name) for name in geoms]
         self._owners = [int(model.geom_bodyid[geom]) for geom in self._geoms]
-        self._rotation, self._place = np.asarray(rotation, float), np.asarray(place, float) / MM
+        shapes = Sphere(1.0), *geoms.values()
+        mount = poses([(shape, rotation, place) for shape in shapes], 1, "geoms")
+        self._rotation, self._place = mount.rotation[0, 0], mount.place[0, 0] / MM
         self._given: dict[int, Array] = {}
         self.taxels = np.zeros((len(finger.taxels.places), 3))
         self.touch: Touch | None = None
@@ -86,6 +95,7 @@ class Coupling:
         """
         import mujoco
 
+        instance("data", data, mujoco.MjData, "the data of the model, as mujoco.MjData(model)")
         mujoco.mj_kinematics(self.model, data)
         mujoco.mj_comPos(self.model, data)
         turn = data.xmat[self._body].reshape(3, 3) @ self._rotation
@@ -138,7 +148,7 @@ def couple(
     finger at `place` (3,) mm, turned by `rotation` (3, 3). geoms: names of geoms with the shape
     that each has for the finger, its frame being the geom's.
 
-    Raises InputError for names that the model lacks, geoms with which MuJoCo itself lets the body
+    Raises InputError for what is none of these, names that the model lacks, geoms with which MuJoCo itself lets the body
     collide, or a finger of several worlds.
     """
     return Coupling(model, body, geoms, finger, rotation, place)
@@ -146,7 +156,7 @@ def couple(
 
 def _number(model: "mujoco.MjModel", kind: str, name: str) -> int:
     """Return the number of a named part of a model; InputError if there is none."""
-    try:
-        return int(getattr(model, kind)(name).id)
-    except KeyError as error:
-        raise InputError(f"{kind}: expected a name of the model, received {name!r}") from error
+    if isinstance(name, str):  # MuJoCo takes numbers too
+        with suppress(KeyError):
+            return int(getattr(model, kind)(name).id)
+    raise InputError(f"{kind}: expected a name of the model, received {shown(name)}")

@@ -33,7 +33,7 @@ from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, Plate, direction
 from fefinger.scene.indenters import STANDARD, Flat
-from fefinger.support.checks import ConvergenceError, InputError, number
+from fefinger.support.checks import ConvergenceError, InputError, instance, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.registry import AFFERENTS
 from fefinger.support.text import counted
@@ -251,6 +251,7 @@ class Loop:
 
         InputError for the state of another finger or object.
         """
+        instance("state", state, LoopState, "a state of this loop, as its `state()` gives")
         self._contact.restore(state.contact)
         self._angles = state.angles
         self._readout.summary[[X, Y]] = state.center

@@ -29,7 +29,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD, Flat
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
-from fefinger.support.checks import InputError, choice, number
+from fefinger.support.checks import InputError, choice, instance, number, numbers, shown
 from fefinger.support.progress import Stages
 from fefinger.support.text import percent
 from fefinger.support.vocabulary import TYPES
@@ -39,6 +39,11 @@ PRESSED, CONDENSED, MODAL = MECHANICS = ("pressed", "condensed", "modal")
 
 SUBSTEP = 1e-4
 """Longest step in s in which modes move, by default: all modes that are kept then do."""
+
+
+A_FINGER = 'a Finger, as ff.Finger.subject("a.h.")'
+SOME_SITES = "end organs, as the `sites` of a result"
+"""What is expected in messages."""
 
 
 @dataclass(frozen=True)
@@ -64,9 +69,11 @@ class LoopOptions:
 
     def __post_init__(self) -> None:
         """Check every option, and that the mechanics can do it."""
-        finger: object = self.finger
-        if not isinstance(finger, Finger):
-            msg = f'finger: expected a Finger, as ff.Finger.subject("a.h."), received {finger!r}'
+        instance("finger", self.finger, Finger, A_FINGER)
+        if self.sites is not None:
+            instance("sites", self.sites, Sites, SOME_SITES)
+        if self.stiffening is not None and not callable(self.stiffening):
+            msg = f"stiffening: expected a function of the depth, received {shown(self.stiffening)}"
             raise InputError(msg)
         choice("mechanics", self.mechanics, MECHANICS)
         choice("precision", self.precision, ("double", "single"))
@@ -176,7 +183,8 @@ def _tabulated(options: LoopOptions, stages: Stages) -> Prepared:
 
 def _range(angles: Sequence[float]) -> tuple[float, float]:
     """Return the least and the largest of some angles of a plate in degrees."""
-    if not len(angles):
+    angles = numbers("angles", angles, unit="degrees")
+    if not angles:
         message = "angles: expected the degrees between which the plate turns, received none"
         raise InputError(message)
     turned = [Flat(angle).angle for angle in angles]

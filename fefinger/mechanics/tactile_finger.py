@@ -21,6 +21,7 @@ from fefinger.contact.posed_coulomb import PosedCoulomb
 from fefinger.contact.signed_distance import Shapes
 from fefinger.mechanics.evidence.tactile_errors import measured_errors
 from fefinger.mechanics.loop import Loop
+from fefinger.mechanics.loop_setup import A_FINGER, SOME_SITES
 from fefinger.mechanics.press import operator
 from fefinger.mechanics.press.compliances import kernel, pad_compliance
 from fefinger.mechanics.press.prepared import Precision
@@ -36,7 +37,14 @@ from fefinger.scene.indenters import STANDARD, Flat
 from fefinger.scene.population import Layout
 from fefinger.shapes import Plane, Shape, packed
 from fefinger.support.arrays import Array, Flags
-from fefinger.support.checks import ConvergenceError, InputError, choice, integer, number
+from fefinger.support.checks import (
+    ConvergenceError,
+    InputError,
+    choice,
+    instance,
+    integer,
+    number,
+)
 from fefinger.support.processes import one_thread, threads, together
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.vocabulary import TYPES
@@ -113,8 +121,13 @@ class TactileFinger:
         }
         self.friction = number("friction", friction, at_least=0)
         self.deepest = number("deepest", deepest, above=0, unit="mm")
-        self.worlds = integer("worlds", worlds, at_least=1)
-        self.taxels = taxels or TaxelGrid(10, 7)
+        most = 1_000_000  # worlds of some 30 kB each
+        self.worlds = integer("worlds", worlds, at_least=1, at_most=most)
+        instance("finger", finger, Finger, A_FINGER)
+        if sites is not None:
+            instance("sites", sites, Sites, SOME_SITES)
+        self.taxels = TaxelGrid(10, 7) if taxels is None else taxels
+        instance("taxels", self.taxels, TaxelGrid, "a grid, as ff.TaxelGrid(10, 7)")
         single = choice("precision", precision, ("double", "single")) == "single"
         stages = Stages(progress)
         with stages.stage("factor") as report:
@@ -342,6 +355,7 @@ class TactileFinger:
 
     def restore(self, state: TouchState) -> None:
         """Return to a state of this finger; InputError for the state of another."""
+        instance("state", state, TouchState, "a state of this finger, as its `state()` gives")
         if [a.shape for a in state.arrays[:5]] != [a.shape for a in self._state[:5]]:
             raise InputError(
                 "state: expected one of the same finger, friction and worlds, received arrays of "

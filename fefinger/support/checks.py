@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any, SupportsFloat, TypedDict, Unpack, cast
+from typing import Any, SupportsFloat, TypedDict, TypeVar, Unpack, cast
 
 
 PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolution)"
@@ -27,6 +27,9 @@ TINY, HUGE = 1e-30, 1e30
 
 FIELD = re.compile(r"((?:--)?[\w.\[\]-]+):(?:\s|$)")
 """Beginning of a message with the name of its field."""
+
+
+Value = TypeVar("Value")
 
 
 class Limits(TypedDict, total=False):
@@ -88,12 +91,12 @@ def _without_middle(text: str, longest: int = LONGEST) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as text for messages, at most LONG_VALUE characters of it.
+    """Return a value as text of one line for messages, at most LONG_VALUE characters of it.
 
     Its type if it is too long or deep to print.
     """
     try:
-        return _without_middle(repr(value), LONG_VALUE)
+        return _without_middle(re.sub(r"\s*\n\s*", " ", repr(value)), LONG_VALUE)
     except (ValueError, RecursionError):  # ValueError: a whole number of thousands of digits
         return f"a {type(value).__name__} that is too long to print"
 
@@ -144,11 +147,19 @@ def set_number(record: object, field: str, **limits: Unpack[Limits]) -> None:
     object.__setattr__(record, name, number(field, getattr(record, name), **limits))
 
 
-def integer(name: str, value: object, *, at_least: int = 0) -> int:
-    """Return `value` if it is a whole number of `at_least` or more, or raise InputError."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
-        msg = f"{name}: expected a whole number of {at_least} or more, received {shown(value)}"
-        raise InputError(msg)
+def integer(name: str, value: object, *, at_least: int = 0, at_most: float = math.inf) -> int:
+    """Return `value` if it is a whole number within limits, or raise InputError."""
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    if not whole or not at_least <= cast(int, value) <= at_most:
+        limits = f"of {at_least} or more" if at_most == math.inf else f"{at_least} to {at_most:g}"
+        raise InputError(f"{name}: expected a whole number {limits}, received {shown(value)}")
+    return cast(int, value)
+
+
+def instance(name: str, value: object, kind: type[Value], expected: str) -> Value:
+    """Return `value` if it is of a class, or raise InputError that says what is expected."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: expected {expected}, received {shown(value)}")
     return value
 
 
@@ -173,7 +184,7 @@ def choice(
     `synonyms`: options by other words for them, which are not accepted.
     """
     allowed = list(options)
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         listed = ", ".join(repr(option) for option in allowed)
         advice = suggestion(value, allowed, synonyms)
         message = f"{name}: expected one of {listed}, received {shown(value)}.{advice}"

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Protocol
 
+from fefinger.support.checks import InputError, shown
+
 
 class Progress(Protocol):
     """Callback for progress: the name of a stage and the fraction of it that is done."""
@@ -18,6 +20,11 @@ class Stages:
     """Collects the seconds and the memory of named stages and reports their progress."""
 
     def __init__(self, progress: Progress | None = None) -> None:
+        if progress is not None and not callable(progress):
+            raise InputError(
+                "progress: expected a function of the name of a stage and the fraction done, "
+                f"received {shown(progress)}"
+            )
         self.seconds: dict[str, float] = {}
         self.megabytes: dict[str, float] = {}
         self._progress = progress

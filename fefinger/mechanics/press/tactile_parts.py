@@ -1,6 +1,7 @@
 """What a tactile finger is given and read by: poses of objects, and a grid of taxels."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from scipy import sparse
 from fefinger.contact.pad_worlds import Pad
 from fefinger.shapes import Shape
 from fefinger.support.arrays import Array
-from fefinger.support.checks import InputError, integer, number
+from fefinger.support.checks import HUGE, InputError, instance, integer, number, numbers, shown
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,10 @@ class TaxelGrid:
 
     def __post_init__(self) -> None:
         """Check the numbers."""
-        integer("taxels.rows", self.rows, at_least=1)
-        integer("taxels.columns", self.columns, at_least=1)
+        most = 1000  # along a side: a hundred in a millimeter
+        integer("taxels.rows", self.rows, at_least=1, at_most=most)
+        integer("taxels.columns", self.columns, at_least=1, at_most=most)
+        numbers("taxels.center", self.center, count=2, unit="mm")
         number("taxels.pitch", self.pitch, above=0, unit="mm")
 
     @property
@@ -71,9 +74,10 @@ class Poses(NamedTuple):
     leading: bool
 
 
-def poses(objects: Sequence[Pose], worlds: int) -> Poses:
-    """Return the poses of objects in all worlds; InputError for what is none."""
+def poses(objects: Sequence[Pose], worlds: int, field: str = "objects") -> Poses:
+    """Return the poses of objects in all worlds; InputError of `field` for what is none."""
     shapes: list[Shape] = []
+    instance(field, objects, Sequence, "a list of (shape, rotation, place)")
     count, leading = worlds, worlds > 1
     rotation, place = np.empty((count, len(objects), 3, 3)), np.empty((count, len(objects), 3))
     for b, each in enumerate(objects):
@@ -81,29 +85,40 @@ def poses(objects: Sequence[Pose], worlds: int) -> Poses:
             shape, turn, at = each
         except (TypeError, ValueError) as error:
             raise InputError(
-                f"objects: expected (shape, rotation, place) of each, received {each!r}"
+                f"{field}: expected (shape, rotation, place) of each, received {shown(each)}"
             ) from error
         if not isinstance(shape, Shape):
             raise InputError(
-                f"objects: expected a shape such as ff.shapes.Sphere(10), received {shape!r}"
+                f"{field}: expected a shape such as ff.shapes.Sphere(10), received {shown(shape)}"
             )
         shapes.append(shape)
-        turned, there = np.asarray(turn, float), np.asarray(at, float)
-        for name, array, wanted in (("rotation", turned, (3, 3)), ("place", there, (3,))):
-            if array.shape not in {wanted, (count, *wanted)}:
-                raise InputError(
-                    f"objects: expected a {name} {wanted} or {(count, *wanted)} of object {b}, "
-                    f"received an array of shape {array.shape}"
-                )
+        turned = _array(f"{field}: expected a rotation", turn, (3, 3), b, count)
+        there = _array(f"{field}: expected a place", at, (3,), b, count)
         leading |= turned.ndim == 3 or there.ndim == 2
         rotation[:, b], place[:, b] = turned, there
-    if not np.isfinite(place).all():
-        raise InputError("objects: expected finite places in mm, received nan or inf")
-    off = np.abs(np.einsum("wbki,wbkj->wbij", rotation, rotation) - np.eye(3))
-    # R' R - 1 of a rotation matrix that was written in single precision is 1e-7.
-    if not (off <= 1e-6).all() or (np.linalg.det(rotation) < 0).any():
+    if not (np.abs(place) <= HUGE).all():
         raise InputError(
-            "objects: expected rotation matrices, with R' R = 1 and determinant 1, received "
+            f"{field}: expected finite places in mm, at most {HUGE:g}, received others"
+        )
+    # R' R - 1 of a rotation matrix that was written in single precision is 1e-7.
+    within = (np.abs(rotation) <= 2.0).all()
+    off = np.abs(np.swapaxes(rotation, -1, -2) @ rotation - np.eye(3)) if within else np.inf
+    if not np.all(off <= 1e-6) or (np.linalg.det(rotation) < 0).any():
+        raise InputError(
+            f"{field}: expected rotation matrices, with R' R = 1 and determinant 1, received "
             "another; give columns that are the object's axes in the frame of the finger"
         )
     return Poses(tuple(shapes), rotation, place, leading)
+
+
+def _array(expected: str, given: object, shape: tuple[int, ...], number: int, worlds: int) -> Array:
+    """Return a rotation or a place of an object, (*shape) or (worlds, *shape)."""
+    array: Array = np.empty(0)
+    with suppress(TypeError, ValueError, OverflowError):
+        array = np.asarray(given, float)
+    if array.shape not in {shape, (worlds, *shape)}:
+        received = f"shape {array.shape}" if array.size else shown(given)
+        raise InputError(
+            f"{expected} {shape} or {(worlds, *shape)} of object {number}, received {received}"
+        )
+    return array
