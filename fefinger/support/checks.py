@@ -151,7 +151,7 @@ def integer(name: str, value: object, *, at_least: int = 0, at_most: float = mat
     """Return `value` if it is a whole number within limits, or raise InputError."""
     whole = isinstance(value, int) and not isinstance(value, bool)
     if not whole or not at_least <= cast(int, value) <= at_most:
-        limits = f"of {at_least} or more" if at_most == math.inf else f"{at_least} to {at_most:g}"
+        limits = f"of {at_least} or more" if at_most == math.inf else f"of {at_least} to {at_most}"
         raise InputError(f"{name}: expected a whole number {limits}, received {shown(value)}")
     return cast(int, value)
 
