@@ -160,6 +160,16 @@ def test_what_cannot_be_coupled_is_refused() -> None:
     colliding = mujoco.MjModel.from_xml_string(MODEL.format(""))
     with refused("geoms"):
         ff.mujoco.couple(colliding, "finger", ball, tip)
+    for field, given in (
+        ("model", (None, "finger", ball, tip)),
+        ("body", (model, 1, ball, tip)),
+        ("geoms", (model, "finger", {"ball": 10.0}, tip)),
+        ("finger", (model, "finger", ball, VISCOUS)),
+    ):
+        with refused(field):
+            ff.mujoco.couple(*given)  # type: ignore[arg-type]
+    with refused("geoms"):
+        ff.mujoco.couple(model, "finger", ball, tip, place=[0.0, 0.0])
     many = ff.TactileFinger(VISCOUS, finite_strain=False, worlds=2)
     with pytest.raises(InputError, match="single world"):
         ff.mujoco.couple(model, "finger", ball, many)

@@ -483,6 +483,11 @@ POSE = BALL, np.eye(3), [0.0, 0.0, -8.0]
         [(BALL, -np.eye(3), [0, 0, 0])],
         [(BALL, np.full((3, 3), np.nan), [0, 0, 0])],
         [(BALL, np.stack([np.eye(3)] * 2), [0, 0, 0])],
+        [(BALL, 1e300 * np.eye(3), [0, 0, 0])],
+        [(BALL, None, [0, 0, 0])],
+        [(BALL, np.eye(3), "abc")],
+        [(BALL, np.eye(3), [0, 0, 1e300])],
+        5,
     ],
 )
 def test_what_is_no_pose_is_refused_and_changes_nothing(

@@ -12,6 +12,7 @@ from fefinger.support.checks import (
     boolean,
     choice,
     choices,
+    instance,
     integer,
     number,
     numbers,
@@ -138,6 +139,22 @@ def test_a_long_value_is_shown_by_its_ends(value):
     assert len(str(told.value)) < 2 * LONG_VALUE
     assert " [...] " in str(told.value)
     assert len(str(InputError(f"x: received {'y' * 100_000!r}, no folder"))) < 2 * LONG_VALUE
+
+
+@pytest.mark.parametrize(
+    ("check", "message"),
+    [
+        (lambda: number("x", np.eye(2)), "received array([[1., 0.], [0., 1.]])"),
+        (lambda: choice("x", np.zeros(2), ("a", "b")), "one of 'a', 'b', received array"),
+        (lambda: integer("x", 5, at_least=1, at_most=4), "a whole number of 1 to 4, received 5"),
+        (lambda: instance("x", 5, list, "a list"), "x: expected a list, received 5"),
+    ],
+)
+def test_values_of_another_class_are_told_in_one_line(check, message):
+    with pytest.raises(InputError) as refused:
+        check()
+    assert message in str(refused.value)
+    assert "\n" not in str(refused.value)
 
 
 def test_whole_numbers_of_thousands_of_digits_are_refused():
