@@ -148,8 +148,8 @@ def couple(
     finger at `place` (3,) mm, turned by `rotation` (3, 3). geoms: names of geoms with the shape
     that each has for the finger, its frame being the geom's.
 
-    Raises InputError for what is none of these, names that the model lacks, geoms with which MuJoCo itself lets the body
-    collide, or a finger of several worlds.
+    Raises InputError for what is none of these, names that the model lacks, geoms with which MuJoCo
+    itself lets the body collide, or a finger of several worlds.
     """
     return Coupling(model, body, geoms, finger, rotation, place)
 

@@ -72,8 +72,9 @@ class LoopOptions:
         instance("finger", self.finger, Finger, A_FINGER)
         if self.sites is not None:
             instance("sites", self.sites, Sites, SOME_SITES)
-        if self.stiffening is not None and not callable(self.stiffening):
-            msg = f"stiffening: expected a function of the depth, received {shown(self.stiffening)}"
+        law: object = self.stiffening
+        if not (law is None or callable(law)):
+            msg = f"stiffening: expected a function of the depth, received {shown(law)}"
             raise InputError(msg)
         choice("mechanics", self.mechanics, MECHANICS)
         choice("precision", self.precision, ("double", "single"))

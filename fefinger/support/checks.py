@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any, SupportsFloat, TypedDict, TypeVar, Unpack, cast
+from typing import Any, SupportsFloat, TypedDict, Unpack, cast
 
 
 PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolution)"
@@ -27,9 +27,6 @@ TINY, HUGE = 1e-30, 1e30
 
 FIELD = re.compile(r"((?:--)?[\w.\[\]-]+):(?:\s|$)")
 """Beginning of a message with the name of its field."""
-
-
-Value = TypeVar("Value")
 
 
 class Limits(TypedDict, total=False):
@@ -156,11 +153,10 @@ def integer(name: str, value: object, *, at_least: int = 0, at_most: float = mat
     return cast(int, value)
 
 
-def instance(name: str, value: object, kind: type[Value], expected: str) -> Value:
-    """Return `value` if it is of a class, or raise InputError that says what is expected."""
+def instance(name: str, value: object, kind: type[object], expected: str) -> None:
+    """Raise InputError, which says what is expected, unless `value` is of a class."""
     if not isinstance(value, kind):
         raise InputError(f"{name}: expected {expected}, received {shown(value)}")
-    return value
 
 
 def suggestion(
