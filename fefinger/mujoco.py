@@ -64,6 +64,7 @@ class Coupling:
         self._body = _number(model, "body", body)
         self._geoms = [_number(model, "geom", name) for name in geoms]
         self._owners = [int(model.geom_bodyid[geom]) for geom in self._geoms]
+        # Any shape stands first: rotation and place are checked and read where there are no geoms.
         shapes = Sphere(1.0), *geoms.values()
         mount = poses([(shape, rotation, place) for shape in shapes], 1, "geoms")
         self._rotation, self._place = mount.rotation[0, 0], mount.place[0, 0] / MM

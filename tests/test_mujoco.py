@@ -167,6 +167,7 @@ def test_what_cannot_be_coupled_is_refused() -> None:
         ("finger", (model, "finger", ball, VISCOUS)),
     ):
         with refused(field):
+            # Arguments of other classes, which are what is refused.
             ff.mujoco.couple(*given)  # type: ignore[arg-type]
     with refused("geoms"):
         ff.mujoco.couple(model, "finger", ball, tip, place=[0.0, 0.0])
