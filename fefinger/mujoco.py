@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from fefinger.mechanics.press.tactile_parts import poses
 from fefinger.mechanics.tactile_finger import TactileFinger
 from fefinger.results.touch import Touch
-from fefinger.shapes import Shape, Sphere
+from fefinger.shapes import Shape
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, instance, shown
 
@@ -58,15 +58,15 @@ class Coupling:
         instance("model", model, mujoco.MjModel, "a model, as mujoco.MjModel.from_xml_path")
         instance("finger", finger, TactileFinger, "a finger, as ff.TactileFinger(...)")
         instance("geoms", geoms, Mapping, 'a shape by the name of each, as {"ball": ...}')
+        if not geoms:
+            raise InputError("geoms: expected one geom or more, received none")
         if finger.worlds != 1:
             raise InputError(f"finger: expected one of a single world, received {finger.worlds}")
         self.model, self.finger, self.shapes = model, finger, tuple(geoms.values())
         self._body = _number(model, "body", body)
         self._geoms = [_number(model, "geom", name) for name in geoms]
         self._owners = [int(model.geom_bodyid[geom]) for geom in self._geoms]
-        # Any shape stands first: rotation and place are checked and read where there are no geoms.
-        shapes = Sphere(1.0), *geoms.values()
-        mount = poses([(shape, rotation, place) for shape in shapes], 1, "geoms")
+        mount = poses([(shape, rotation, place) for shape in self.shapes], 1, "geoms")
         self._rotation, self._place = mount.rotation[0, 0], mount.place[0, 0] / MM
         self._given: dict[int, Array] = {}
         self.taxels = np.zeros((len(finger.taxels.places), 3))

@@ -164,6 +164,7 @@ def test_what_cannot_be_coupled_is_refused() -> None:
         ("model", (None, "finger", ball, tip)),
         ("body", (model, 1, ball, tip)),
         ("geoms", (model, "finger", {"ball": 10.0}, tip)),
+        ("geoms", (model, "finger", {}, tip)),
         ("finger", (model, "finger", ball, VISCOUS)),
     ):
         with refused(field):

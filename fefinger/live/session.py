@@ -18,7 +18,7 @@ from fefinger.live.picture import Picture
 from fefinger.live.player import ABOVE, PRESETS, Player
 from fefinger.live.setup import Setup
 from fefinger.pipeline import run
-from fefinger.support.atomic_write import moved, output_folder
+from fefinger.support.atomic_write import in_place, output_folder
 from fefinger.support.checks import (
     ConvergenceError,
     InputError,
@@ -365,7 +365,7 @@ class Session(threading.Thread):
         scene = player.take.scene(folder.name, self._resolution)
         result = run(scene, progress=self._report)
         files = result.save(output_folder(folder))
-        with moved(folder / "scene.toml") as new:
+        with in_place(folder / "scene.toml") as new:
             new.write_text(scene.to_toml(), encoding="utf-8")
         self._clock.start()
         peak = None if result.force is None else float(result.force.max())

@@ -33,7 +33,7 @@ from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, Plate, direction
 from fefinger.scene.indenters import STANDARD, Flat
-from fefinger.support.checks import ConvergenceError, InputError, instance, number
+from fefinger.support.checks import ConvergenceError, InputError, boolean, instance, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.registry import AFFERENTS
 from fefinger.support.text import counted
@@ -212,7 +212,7 @@ class Loop:
         ConvergenceError
             If no contact is found.
         """
-        dt = quick_number("dt", dt, 0.0, unit="s")
+        dt, strain = quick_number("dt", dt, 0.0, unit="s"), boolean("strain", strain)
         angles = self._angles
         if angle is not None or tilt is not None:
             angles = self._turned(angle, tilt)

@@ -22,6 +22,7 @@ from fefinger.mechanics.press.notes import (
 from fefinger.mechanics.press.prepared import Precision, Prepared
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.situation import Situation
+from fefinger.mesh.store import mesh_problem
 from fefinger.results.records import Sites
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
@@ -107,6 +108,10 @@ class LoopOptions:
     def _refusals(self) -> Iterator[str]:
         """Yield what the mechanics cannot do of what is asked."""
         own = self.known is None
+        if self.known is not None and self.known.place is not None:
+            at, reach = self.known.place, max(self.known.half_sides)
+            if problem := mesh_problem(self.finger, at=at, reach=reach):
+                yield problem  # before the minutes that a mesh may take
         moves = self.reach is not None or self.angles is not None
         if self.mechanics != CONDENSED:
             if self.known is not None:

@@ -40,6 +40,7 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import (
     ConvergenceError,
     InputError,
+    boolean,
     choice,
     instance,
     integer,
@@ -113,7 +114,8 @@ class TactileFinger:
         strict: bool = False,
         progress: Progress | None = None,
     ) -> None:
-        self.finger, self.strict = finger, strict
+        self.finger, self.strict = finger, boolean("strict", strict)
+        finite_strain = boolean("finite_strain", finite_strain)
         self._options = {
             **{"friction": friction, "deepest": deepest, "taxels": taxels},
             **{"population": population, "sites": sites, "worlds": worlds},

@@ -32,7 +32,7 @@ from fefinger.mesh.finger_shape import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL,
 from fefinger.mesh.recipe import Recipe
 from fefinger.support import VERSION
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.atomic_write import moved
+from fefinger.support.atomic_write import in_place
 from fefinger.support.checks import ConvergenceError, InputError
 
 
@@ -231,7 +231,10 @@ TOOLS = ("pytetwild", "numpy", "scipy")
 
 
 def write(mesh: FingerMesh, path: str | Path) -> Path:
-    """Write a mesh to `path` (.vtu) and its sidecar; each appears whole or not at all."""
+    """Write a mesh to `path` (.vtu) and its sidecar; each appears whole or not at all.
+
+    Raises InputError, which names the file, where it cannot be written.
+    """
     import meshio
 
     path = _checked(path)
@@ -247,7 +250,7 @@ def write(mesh: FingerMesh, path: str | Path) -> Path:
         cell_data={"region": region, "facet": facet},
     )
     path.parent.mkdir(parents=True, exist_ok=True)
-    with moved(path) as new:
+    with in_place(path) as new:
         meshio.write(str(new), content, file_format="vtu")
     sidecar = {
         "layout": LAYOUT,
@@ -261,7 +264,7 @@ def write(mesh: FingerMesh, path: str | Path) -> Path:
         "quality": mesh.quality,
     }
     text = json.dumps(sidecar, indent=1) + "\n"
-    with moved(sidecar_path(path)) as new:
+    with in_place(sidecar_path(path)) as new:
         new.write_text(text, encoding="utf-8")
     return path
 

@@ -112,7 +112,7 @@ class Afferents(SteppedUnits):
         across = planes(normals, n)
         self.membranes = _stepped(membrane or IntegrateAndFire(), n, method, dt)
         at_rest, share, pole = modes_of([END_ORGANS[kind] for kind in types])
-        integer("substeps", substeps, at_least=1)
+        substeps = integer("substeps", substeps, at_least=1)
         codes = [
             drive_code(f"drives.{kind}", chosen[kind], "neural.afferent_units") for kind in types
         ]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.checks import InputError, choice, integer, number
+from fefinger.support.checks import InputError, choice, integer, number, set_integer
 from fefinger.support.vocabulary import TYPES
 
 
@@ -44,16 +44,14 @@ class Variation:
     trial: int = 0
 
     def __post_init__(self) -> None:
-        integer("seed", self.seed)
-        integer("trial", self.trial)
+        set_integer(self, "seed")
+        set_integer(self, "trial")
         if self.spread is not None:
             number("spread", self.spread, at_least=0.0, at_most=3.0)
         if self.noise is not None:
             number("noise", self.noise, at_least=0.0, at_most=100.0, unit="µA/cm²")
         for index in self.numbers or ():
-            if isinstance(index, bool) or not isinstance(index, int | np.integer) or index < 0:
-                msg = f"numbers: expected whole numbers of 0 or more, received {index!r}"
-                raise InputError(msg)
+            integer("numbers", index)
 
     def for_units(self, types: Sequence[str]) -> "Variation":
         """Return the variation with the numbers of units of these types.

@@ -9,7 +9,6 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +20,7 @@ from fefinger.pages import page
 from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array, Integers
-from fefinger.support.atomic_write import moved
+from fefinger.support.atomic_write import in_place
 from fefinger.view import figures, frames, quantities, surfaces
 from fefinger.view.drawing import (
     Drawing,
@@ -106,7 +105,7 @@ def write(
         data=page.raw(json.dumps(data).replace("<", "\\u003c")),
         blob=blob.text(),
     )
-    with moved(Path(path)) as new:
+    with in_place(path) as new:
         new.write_text(html, encoding="utf-8")
 
 

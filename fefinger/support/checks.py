@@ -2,11 +2,12 @@
 
 import difflib
 import math
+import operator
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from typing import Any, SupportsFloat, TypedDict, Unpack, cast
+from typing import Any, SupportsFloat, SupportsIndex, TypedDict, Unpack, cast
 
 
 PRESS_LESS = "press less deep, more slowly, or on another mesh (finger.resolution)"
@@ -145,12 +146,24 @@ def set_number(record: object, field: str, **limits: Unpack[Limits]) -> None:
 
 
 def integer(name: str, value: object, *, at_least: int = 0, at_most: float = math.inf) -> int:
-    """Return `value` if it is a whole number within limits, or raise InputError."""
-    whole = isinstance(value, int) and not isinstance(value, bool)
-    if not whole or not at_least <= cast(int, value) <= at_most:
+    """Return a whole number of Python's or numpy's within limits, or raise InputError."""
+    whole: int | None = None
+    if not isinstance(value, bool):
+        with suppress(TypeError):
+            whole = operator.index(cast(SupportsIndex, value))
+    if whole is None or not at_least <= whole <= at_most:
         limits = f"of {at_least} or more" if at_most == math.inf else f"of {at_least} to {at_most}"
         raise InputError(f"{name}: expected a whole number {limits}, received {shown(value)}")
-    return cast(int, value)
+    return whole
+
+
+def set_integer(
+    record: object, field: str, *, at_least: int = 0, at_most: float = math.inf
+) -> None:
+    """Check a whole number of a frozen record and store it as Python's, as `set_number` does."""
+    name = field.rpartition(".")[2]
+    whole = integer(field, getattr(record, name), at_least=at_least, at_most=at_most)
+    object.__setattr__(record, name, whole)
 
 
 def instance(name: str, value: object, kind: type[object], expected: str) -> None:
@@ -209,10 +222,11 @@ def names(field: str, values: object) -> tuple[str, ...]:
 
 
 def boolean(name: str, value: object) -> bool:
-    """Return `value` if it is true or false, or raise InputError."""
-    if not isinstance(value, bool):
+    """Return a truth value of Python's or numpy's, or raise InputError."""
+    of_numpy = str(getattr(value, "dtype", "")) == "bool" and getattr(value, "shape", None) == ()
+    if not (of_numpy or isinstance(value, bool)):
         raise InputError(f"{name}: expected true or false, received {shown(value)}")
-    return value
+    return bool(value)
 
 
 def reject_unknown(table: str, keys: Iterable[str], options: Iterable[str]) -> None:

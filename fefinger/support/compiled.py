@@ -34,9 +34,10 @@ def njit(**options: Unpack[NumbaOptions]) -> Callable[[Callable[P, R]], Callable
 
     To type checkers it is the function as before.
 
-    Where neither the folder of the package nor the user's cache can be written, `cache=True` is no
-    error: every process compiles the function again, as `notice` says. What was kept counts as long
-    as the file of the function and the files of its package that it imports are the same.
+    Where neither the folder of the package nor the user's cache can be written, or the disk is
+    full, `cache=True` is no error: every process compiles the function again, as `notice` says.
+    What was kept counts as long as the file of the function and the files of its package that it
+    imports are the same.
     """
     import numba
 
@@ -55,9 +56,22 @@ def njit(**options: Unpack[NumbaOptions]) -> Callable[[Callable[P, R]], Callable
             # numba looks at the file of the function alone, and not at what it calls: after an
             # update of the package old code of an imported function would go on in silence.
             kept._cache._cache_file._source_stamp = _sources(function.__module__)
+            kept._cache.save_overload = _unless_full(kept._cache.save_overload, function)
         return cast(Callable[P, R], kept)
 
     return compiled
+
+
+def _unless_full(save: Callable[..., None], function: object) -> Callable[..., None]:
+    """Let numba go on where it cannot save what it has compiled."""
+
+    def attempt(*compiled: object) -> None:
+        try:
+            save(*compiled)
+        except OSError:
+            _not_kept.append(function)
+
+    return attempt
 
 
 @cache
@@ -122,7 +136,7 @@ def callback(function: Callable[..., object], numbers: int, results: int) -> Any
     try:
         try:
             return cfunc(signature, cache=True)(function)
-        except RuntimeError:  # no folder to keep it in, or no file, as in a console
+        except (RuntimeError, OSError):  # no folder or no room for it, or no file, as in a console
             return cfunc(signature)(function)
     except NumbaError as error:
         raise TypeError(str(error).strip().partition("\n")[0]) from error
@@ -133,7 +147,7 @@ def notice() -> str:
     if not _not_kept:
         return ""
     return (
-        "Compiled code could not be kept, as neither the folder of the package nor the user's "
-        "cache can be written: every process compiles it again, some 15 to 30 s; name a folder "
-        "that can be written in the variable NUMBA_CACHE_DIR."
+        "Compiled code could not be kept, as the folder of the package and the user's cache are "
+        "full or cannot be written: every process compiles it again, some 15 to 30 s; name a "
+        "folder that can be written in the variable NUMBA_CACHE_DIR."
     )

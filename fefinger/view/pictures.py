@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, FingerMesh
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.arrays import Array
-from fefinger.support.atomic_write import moved
+from fefinger.support.atomic_write import in_place
 from fefinger.support.checks import InputError
 from fefinger.view import figures, frames, quantities, renderer, surfaces
 from fefinger.view.drawing import colors, drawing, highest_rate, titles
@@ -53,7 +53,7 @@ def check_film(path: str | PathLike[str], option: str) -> None:
 def write(path: str | PathLike[str], pictures: Iterable[Picture], fps: float) -> None:
     """Write pictures (height, width, 3) to a GIF or MP4 file, which appears when it is complete."""
     check_film(path, "film")
-    with moved(Path(path)) as new:
+    with in_place(path) as new:
         (_gif if new.suffix.lower() == ".gif" else _mp4)(new, pictures, fps)
 
 
@@ -312,7 +312,7 @@ def _fit(plotter: "Plotter", points: Array) -> None:
 def _finish(plotter: "Plotter", path: str | PathLike[str]) -> None:
     """Write the picture to a PNG file and close the plotter."""
     try:
-        with moved(Path(path)) as new:
+        with in_place(path) as new:
             plotter.screenshot(new)
     finally:
         plotter.close()

@@ -323,6 +323,7 @@ def test_a_finger_that_is_only_pressed_refuses_friction(kind: str) -> None:
         ({"stiffening": lambda depth: depth}, "stiffening: expected none"),
         (SMALL | {"angles": (10, 20), "reach": 1.0}, "angles: expected a plate that rolls"),
         (SMALL | {"reach": -1.0}, "reach: expected"),
+        (SMALL | {"indenter": ff.Sphere(5, at=(12, 0))}, "indenter.at: expected a place"),
     ],
 )
 def test_what_a_mechanics_cannot_do_in_a_loop_gets_a_sentence(options: dict, words: str) -> None:
@@ -351,7 +352,9 @@ def test_a_depth_or_a_step_that_is_no_number_is_refused(kind: str) -> None:
     for wrong in (-0.1, np.nan):
         with refused("force"):
             finger.step(1e-3, force=wrong)
-    assert finger.step(1e-3, depth=np.array(0)).depth == 0.0
+    with refused("strain"):
+        finger.step(1e-3, depth=0.1, strain=np.array([True, False]))
+    assert finger.step(1e-3, depth=np.array(0), strain=np.True_).depth == 0.0
 
 
 def test_a_place_that_is_not_two_numbers_is_refused() -> None:

@@ -14,10 +14,14 @@ from fefinger.validation.oracles.synthetic import ramp_and_hold
 import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.calibration import lumped_fit
+from fefinger.mesh import mesh_record
+from fefinger.mesh.recipe import data_folder
+from fefinger.pages import viewer
 from fefinger.scene import library
 from fefinger.support import atomic_write
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.spring import Spring
+from fefinger.view import pictures
 
 
 resource = pytest.importorskip("resource", reason="limits the size of files")
@@ -145,6 +149,20 @@ def test_a_scene_of_a_study_that_cannot_be_kept_is_told_all_the_same(monkeypatch
     answered = study(folder=tmp_path)
     assert (answered.failures, answered.rows[0]["status"]) == ((), "done")
     assert list((tmp_path / "scenes").iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["finger.vtu", "page.html", "film.gif"])
+def test_a_file_of_the_user_that_cannot_be_written_is_named(name, synthetic, tmp_path):
+    mesh = mesh_record.read(data_folder() / "ah-coarse.vtu")
+    picture = np.random.default_rng(0).integers(0, 255, (40, 40, 3), np.uint8)
+    write = {
+        "finger.vtu": lambda path: mesh_record.write(mesh, path),
+        "page.html": lambda path: viewer.write([synthetic], path),
+        "film.gif": lambda path: pictures.write(path, [picture] * 2, 8),
+    }[name]
+    with full(), pytest.raises(InputError, match=FULL.replace(".*", rf".*{name}.*")):
+        write(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_texts_appear_together_or_not_at_all(tmp_path):

@@ -64,16 +64,20 @@ def test_a_choice_is_passed_on_or_refused_with_the_options():
         choice("kind", 3, ("flat",))
 
 
-@pytest.mark.parametrize("value", [0, 1, "true", None])
+@pytest.mark.parametrize("value", [0, 1, "true", None, np.array([True]), np.array([True, False])])
 def test_a_flag_is_true_or_false_and_nothing_else(value):
-    assert boolean("x", True) is True
+    assert boolean("x", True) is boolean("x", np.True_) is True
     with pytest.raises(InputError, match="x: expected true or false"):
         boolean("x", value)
 
 
-@pytest.mark.parametrize("value", [True, 1, 2.0, "3", None])
+@pytest.mark.parametrize("value", [2, np.int64(2), np.uint8(2), np.array(2)])
+def test_a_whole_number_of_numpy_is_one(value):
+    assert type(integer("n", value, at_least=2)) is int
+
+
+@pytest.mark.parametrize("value", [True, np.True_, 1, np.int8(1), 2.0, "3", None, np.array([2])])
 def test_a_whole_number_is_no_truth_value_and_no_float(value):
-    assert integer("n", 2, at_least=2) == 2
     with pytest.raises(InputError, match=r"n: expected a whole number of 2 or more, received"):
         integer("n", value, at_least=2)
 

@@ -5,6 +5,7 @@ import importlib
 import os
 import subprocess
 import sys
+from functools import partial
 
 import pytest
 from numba.core import event
@@ -34,11 +35,15 @@ def script(tmp_path):
     return tmp_path / "square.py"
 
 
-def printed(script, cache):
-    """Run a script with the user's cache in a folder, and return what it prints."""
+def printed(script, cache, begin=None):
+    """Run a script with the user's cache in a folder, and return what it prints.
+
+    begin: a function that its process calls first.
+    """
     environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "NUMBA_CACHE_DIR": ""}
+    command = [sys.executable, str(script)]
     done = subprocess.run(
-        [sys.executable, str(script)], env=environment, capture_output=True, text=True, check=True
+        command, env=environment, capture_output=True, text=True, check=True, preexec_fn=begin
     )
     assert done.stderr == ""
     return done.stdout.strip()
@@ -51,6 +56,12 @@ def test_without_a_folder_code_is_compiled_every_time_and_it_is_said(script):
 def test_code_is_kept_in_the_cache_where_that_can_be_written(script, tmp_path):
     assert printed(script, tmp_path / "cache") == "9"
     assert list((tmp_path / "cache").rglob("*.nbi"))
+
+
+def test_code_that_finds_no_room_is_compiled_every_time_and_it_is_said(script, tmp_path):
+    resource = pytest.importorskip("resource", reason="limits the size of files")
+    room = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (100, 100))  # bytes of a file
+    assert printed(script, tmp_path / "cache", room) == "9 Compiled code could not be kept"
 
 
 def test_functions_are_left_as_they_are_where_numba_is_told_to(script):

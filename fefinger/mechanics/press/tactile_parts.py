@@ -12,7 +12,7 @@ from scipy import sparse
 from fefinger.contact.pad_worlds import Pad
 from fefinger.shapes import Shape
 from fefinger.support.arrays import Array
-from fefinger.support.checks import HUGE, InputError, instance, integer, number, numbers, shown
+from fefinger.support.checks import HUGE, InputError, instance, number, numbers, set_integer, shown
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class TaxelGrid:
     def __post_init__(self) -> None:
         """Check the numbers."""
         most = 1000  # along a side: a hundred in a millimeter
-        integer("taxels.rows", self.rows, at_least=1, at_most=most)
-        integer("taxels.columns", self.columns, at_least=1, at_most=most)
+        set_integer(self, "taxels.rows", at_least=1, at_most=most)
+        set_integer(self, "taxels.columns", at_least=1, at_most=most)
         numbers("taxels.center", self.center, count=2, unit="mm")
         number("taxels.pitch", self.pitch, above=0, unit="mm")
 
