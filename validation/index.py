@@ -34,6 +34,7 @@ ABOUT = suites.ABOUT | {
     "bench-neural": "Speed of membranes and units.",
     "bench-recorded": "Speed of the units of recorded: whole series, and in a loop with a finger.",
     "bench-sliding": "Speed of sliding with and without friction: operator, steps, a scan.",
+    "bench-tactile": "Speed and memory of a tactile finger: steps, many worlds, starts.",
     "bench-solid": "Speed and iterations of finite strain.",
     "bench-pressed": "Speed of tabulated finite strain: a table, a scene, a step.",
     "calibrated-means": "The finger calibrated on the mean curves of the subjects.",

@@ -7,7 +7,7 @@ normal at the hit. F = d . A . d of the near vertices is the flexibility in thes
 import numpy as np
 
 from fefinger.contact.pad_worlds import Factors, Pad, Work
-from fefinger.contact.signed_distance import Shapes, distance, ray
+from fefinger.contact.signed_distance import Shapes, distance, rays
 from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.compiled import njit
 
@@ -36,16 +36,17 @@ def nearest(
 
     d (n, 3): the object's outward normal, which is the direction of the pressure.
     """
+    m.ahead[:] = near
+    touched[:] = -1
+    found = np.empty((len(m.gap), 4))
+    for b in range(len(shapes.kind)):
+        rays(shapes, b, rotation, place, pad.points, pad.normals, near, found)
+        for j in range(len(found)):
+            if found[j, 0] < m.ahead[j]:
+                m.ahead[j], touched[j] = found[j, 0], b
+                d[j, 0], d[j, 1], d[j, 2] = found[j, 1], found[j, 2], found[j, 3]
     m.found[0] = 0
     for j in range(len(m.gap)):
-        m.ahead[j], touched[j] = near, -1
-        point = pad.points[j, 0], pad.points[j, 1], pad.points[j, 2]
-        normal = pad.normals[j, 0], pad.normals[j, 1], pad.normals[j, 2]
-        for b in range(len(shapes.kind)):
-            hit, far, x, y, z = ray(shapes, b, rotation, place, point, normal, near)
-            if hit and far < m.ahead[j]:
-                m.ahead[j], touched[j] = far, b
-                d[j, 0], d[j, 1], d[j, 2] = x, y, z
         m.near[j] = touched[j] >= 0
         if m.near[j]:
             m.listed[m.found[0]] = j
@@ -66,6 +67,7 @@ def gaps(
     """Weight the gaps (n,) along the objects' normals, and the places of contact, by the hats."""
     m.gap[:] = 0.0
     hit[:] = 0.0
+    found = np.empty((pad.places.shape[1], 4))
     for k in range(len(pad.owner)):
         for c in range(3):
             j = pad.owner[k, c]
@@ -78,16 +80,15 @@ def gaps(
                     b = -1
                     break
             if b >= 0:
-                _triangle(pad, shapes, rotation, place, touched, hit, m, near, k, c, b)
+                rays(shapes, b, rotation, place, pad.places[k], pad.skin[k], near, found)
+                _triangle(pad, touched, found, hit, m, near, k, c, b)
 
 
 @njit(cache=True)
 def _triangle(
     pad: Pad,
-    shapes: Shapes,
-    rotation: Array,
-    place: Array,
     touched: Integers,
+    found: Array,
     hit: Array,
     m: Work,
     near: float,
@@ -96,20 +97,28 @@ def _triangle(
     b: int,
 ) -> None:
     """Add the gaps of triangle `k` to object `b`, which its corners from `first` on touch."""
-    for q in range(pad.places.shape[1]):
-        point = pad.places[k, q, 0], pad.places[k, q, 1], pad.places[k, q, 2]
-        normal = pad.skin[k, q, 0], pad.skin[k, q, 1], pad.skin[k, q, 2]
-        found, far, x, y, z = ray(shapes, b, rotation, place, point, normal, near)
-        gap = -far * (x * normal[0] + y * normal[1] + z * normal[2]) if found else near
-        far = far if found else 0.0
-        for c in range(first, 3):
-            j = pad.owner[k, c]
-            if j >= 0 and touched[j] == b:
-                weight = pad.hats[k, c, q]
-                m.gap[j] += weight * gap
-                hit[j, 0] += weight * (point[0] + far * normal[0])
-                hit[j, 1] += weight * (point[1] + far * normal[1])
-                hit[j, 2] += weight * (point[2] + far * normal[2])
+    places, skin = pad.places[k], pad.skin[k]
+    for c in range(first, 3):
+        j = pad.owner[k, c]
+        if j < 0 or touched[j] != b:
+            continue
+        hats = pad.hats[k, c]
+        gap = x = y = z = 0.0
+        for q in range(len(found)):
+            far, n, weight = found[q, 0], skin[q], hats[q]
+            if far <= near:
+                along = found[q, 1] * n[0] + found[q, 2] * n[1] + found[q, 3] * n[2]
+                gap -= weight * far * along
+            else:
+                far = 0.0
+                gap += weight * near
+            x += weight * (places[q, 0] + far * n[0])
+            y += weight * (places[q, 1] + far * n[1])
+            z += weight * (places[q, 2] + far * n[2])
+        m.gap[j] += gap
+        hit[j, 0] += x
+        hit[j, 1] += y
+        hit[j, 2] += z
 
 
 @njit(cache=True, fastmath={"contract", "reassoc"})
@@ -123,19 +132,18 @@ def moved(compliance: Floats, traction: Array, near: Integers, out: Array) -> No
     loaded, k = np.empty(n, dtype=np.int64), 0
     for j in range(n):
         if traction[3 * j] != 0.0 or traction[3 * j + 1] != 0.0 or traction[3 * j + 2] != 0.0:
-            loaded[k] = j
+            loaded[k] = 3 * j
             k += 1
     for i in near:
-        for c in range(3):
-            row, total = compliance[3 * i + c], 0.0
-            for b in range(k):
-                j = 3 * loaded[b]
-                total += (
-                    row[j] * traction[j]
-                    + row[j + 1] * traction[j + 1]
-                    + row[j + 2] * traction[j + 2]
-                )
-            out[3 * i + c] = total
+        p, q, r = compliance[3 * i], compliance[3 * i + 1], compliance[3 * i + 2]
+        a = b = c = 0.0
+        for e in range(k):
+            j = loaded[e]
+            x, y, z = traction[j], traction[j + 1], traction[j + 2]
+            a += p[j] * x + p[j + 1] * y + p[j + 2] * z
+            b += q[j] * x + q[j + 1] * y + q[j + 2] * z
+            c += r[j] * x + r[j + 1] * y + r[j + 2] * z
+        out[3 * i], out[3 * i + 1], out[3 * i + 2] = a, b, c
 
 
 @njit(cache=True)

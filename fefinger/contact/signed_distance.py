@@ -210,40 +210,62 @@ def _followed(
     return False, reach, 0.0, 0.0, 0.0
 
 
-@njit(cache=True, inline="always")
-def ray(
+@njit(cache=True)
+def rays(
     s: Shapes,
     b: int,
     rotation: Array,
     place: Array,
-    point: tuple[float, float, float],
-    normal: tuple[float, float, float],
+    points: Array,
+    normals: Array,
     reach: float,
-) -> tuple[bool, float, float, float, float]:
-    """Follow the outward normal of the skin from a point of it to object `b`.
+    found: Array,
+) -> None:
+    """Follow the outward normals of the skin from its points (k, 3) to object `b`.
 
-    rotation (b, 3, 3) and place (b, 3) mm of the objects: x = rotation x' + place. Returns whether
-    its surface faces the skin within `reach` mm, the distance in mm, negative inside the object,
-    and the object's outward normal (3) there.
+    rotation (b, 3, 3) and place (b, 3) mm of the objects: x = rotation x' + place. Sets found (k,
+    4) to the distance in mm of a surface of the object that faces the skin, negative inside the
+    object, and to the object's outward normal there; to infinity where none is within `reach` mm.
     """
-    r00, r01, r02 = rotation[b, 0, 0], rotation[b, 0, 1], rotation[b, 0, 2]
-    r10, r11, r12 = rotation[b, 1, 0], rotation[b, 1, 1], rotation[b, 1, 2]
-    r20, r21, r22 = rotation[b, 2, 0], rotation[b, 2, 1], rotation[b, 2, 2]
-    dx, dy, dz = point[0] - place[b, 0], point[1] - place[b, 1], point[2] - place[b, 2]
-    x = r00 * dx + r10 * dy + r20 * dz
-    y = r01 * dx + r11 * dy + r21 * dz
-    z = r02 * dx + r12 * dy + r22 * dz
-    u = r00 * normal[0] + r10 * normal[1] + r20 * normal[2]
-    v = r01 * normal[0] + r11 * normal[1] + r21 * normal[2]
-    w = r02 * normal[0] + r12 * normal[1] + r22 * normal[2]
-    kind = s.kind[b]
+    # Spheres and planes have a loop of their own: numba counts references to the arrays of `s` in
+    # each turn of a loop that passes them on, which takes longer than a ray.
+    kind, radius, turn, center = s.kind[b], s.size[b, 0], rotation[b], place[b]
     if kind in (SPHERE, PLANE):
-        hit, far, gx, gy, gz = _straight(kind, s.size[b, 0], x, y, z, u, v, w, reach)
+        for k in range(len(points)):
+            ray = _turned(turn, center, points[k], normals[k])
+            _keep(found[k], turn, ray, _straight(kind, radius, *ray, reach))
     else:
-        hit, far, gx, gy, gz = _followed(s, b, x, y, z, u, v, w, reach)
-    if not hit or gx * u + gy * v + gz * w > -GRAZING:
-        return False, reach, 0.0, 0.0, 0.0
-    nx = r00 * gx + r01 * gy + r02 * gz
-    ny = r10 * gx + r11 * gy + r12 * gz
-    nz = r20 * gx + r21 * gy + r22 * gz
-    return True, far, nx, ny, nz
+        for k in range(len(points)):
+            ray = _turned(turn, center, points[k], normals[k])
+            _keep(found[k], turn, ray, _followed(s, b, *ray, reach))
+
+
+@njit(cache=True)
+def _turned(turn: Array, center: Array, point: Array, normal: Array) -> tuple[float, ...]:
+    """Return a point and a direction, (3,) each, in the frame of an object: six numbers."""
+    dx, dy, dz = point[0] - center[0], point[1] - center[1], point[2] - center[2]
+    u, v, w = normal[0], normal[1], normal[2]
+    return (
+        turn[0, 0] * dx + turn[1, 0] * dy + turn[2, 0] * dz,
+        turn[0, 1] * dx + turn[1, 1] * dy + turn[2, 1] * dz,
+        turn[0, 2] * dx + turn[1, 2] * dy + turn[2, 2] * dz,
+        turn[0, 0] * u + turn[1, 0] * v + turn[2, 0] * w,
+        turn[0, 1] * u + turn[1, 1] * v + turn[2, 1] * w,
+        turn[0, 2] * u + turn[1, 2] * v + turn[2, 2] * w,
+    )
+
+
+@njit(cache=True)
+def _keep(
+    found: Array,
+    turn: Array,
+    ray: tuple[float, ...],
+    seen: tuple[bool, float, float, float, float],
+) -> None:
+    """Write what a ray met, in the frame of the skin, if it faces the skin."""
+    hit, far, x, y, z = seen
+    found[0] = np.inf
+    if hit and x * ray[3] + y * ray[4] + z * ray[5] <= -GRAZING:
+        found[0] = far
+        for c in range(3):
+            found[1 + c] = turn[c, 0] * x + turn[c, 1] * y + turn[c, 2] * z

@@ -9,7 +9,7 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
-from fefinger.contact.signed_distance import distances, ray
+from fefinger.contact.signed_distance import distances, rays
 from fefinger.shapes import Shape, packed
 from fefinger.support.checks import InputError
 
@@ -76,14 +76,15 @@ def test_a_ray_ends_on_the_surface_where_it_faces_the_skin(name: str) -> None:
     only, rng = packed([SHAPES[name]]), np.random.default_rng(3)
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
     turn *= np.linalg.det(turn)
-    place, hits = np.array([0.5, -1.0, 2.0]), 0
+    place, hits, found = np.array([0.5, -1.0, 2.0]), 0, np.empty((1, 4))
     on = surface_of(name)[:200]
     for point, gradient in zip(on, distances(only, 0, on)[:, 1:], strict=True):
         facing = gradient + 0.2 * rng.normal(size=3)
         normal = -turn @ facing / np.linalg.norm(facing)
         start = turn @ (point + 0.3 * rng.uniform(-1, 1) * gradient) + place
-        hit, far, *seen = ray(only, 0, turn[None], place[None], tuple(start), tuple(normal), 2.0)
-        if not hit:
+        rays(only, 0, turn[None], place[None], start[None], normal[None], 2.0, found)
+        far, *seen = found[0]
+        if far > 2.0:
             continue
         hits += 1
         local = turn.T @ (start + far * normal - place)
@@ -98,10 +99,12 @@ def test_a_ray_ends_on_the_surface_where_it_faces_the_skin(name: str) -> None:
 
 def test_a_ray_beside_an_object_or_too_far_from_it_misses() -> None:
     only, turn, place = packed([SHAPES["sphere"]]), np.eye(3)[None], np.zeros((1, 3))
-    down = (0.0, 0.0, -1.0)
-    assert ray(only, 0, turn, place, (0.0, 0.0, 3.5), down, 1.0)[0]
-    assert not ray(only, 0, turn, place, (0.0, 0.0, 3.5), down, 0.4)[0]
-    assert not ray(only, 0, turn, place, (3.1, 0.0, 3.5), down, 1.0)[0]
+    starts, found = np.array([[0.0, 0.0, 3.5], [3.1, 0.0, 3.5]]), np.empty((2, 4))
+    down = np.array([[0.0, 0.0, -1.0]] * 2)
+    rays(only, 0, turn, place, starts, down, 1.0, found)
+    assert found[:, 0] == pytest.approx([0.5, np.inf])
+    rays(only, 0, turn, place, starts, down, 0.4, found)
+    assert np.isinf(found[0, 0])
 
 
 @pytest.mark.parametrize(("pitch", "most"), [(0.5, 0.02), (0.25, 0.005), (0.125, 0.00125)])
