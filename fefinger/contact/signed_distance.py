@@ -21,6 +21,10 @@ GRAZING = 0.1  # least cosine between ray and normal of a hit: skin that faces t
 STEPS = 48  # along a ray
 
 
+Ray = tuple[float, float, float, float, float, float]
+"""A point and a direction, in the frame of an object."""
+
+
 class Shapes(NamedTuple):
     """Several objects, in mm.
 
@@ -241,8 +245,8 @@ def rays(
 
 
 @njit(cache=True)
-def _turned(turn: Array, center: Array, point: Array, normal: Array) -> tuple[float, ...]:
-    """Return a point and a direction, (3,) each, in the frame of an object: six numbers."""
+def _turned(turn: Array, center: Array, point: Array, normal: Array) -> Ray:
+    """Return a point and a direction, (3,) each, in the frame of an object."""
     dx, dy, dz = point[0] - center[0], point[1] - center[1], point[2] - center[2]
     u, v, w = normal[0], normal[1], normal[2]
     return (
@@ -259,7 +263,7 @@ def _turned(turn: Array, center: Array, point: Array, normal: Array) -> tuple[fl
 def _keep(
     found: Array,
     turn: Array,
-    ray: tuple[float, ...],
+    ray: Ray,
     seen: tuple[bool, float, float, float, float],
 ) -> None:
     """Write what a ray met, in the frame of the skin, if it faces the skin."""

@@ -3,8 +3,8 @@
 The factor is in double precision, and the solution is refined until the residual of the true matrix
 is small. On the standard finger (reports/bench-fem.json, one thread) the factor is 2.7 times faster
 than SuperLU on the same order of the unknowns, and 2.5 times faster for its loads. In trials
-PARDISO took 1.4 to 2.9 s for the factor (then 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads (here 0.4 s), so
-neither it nor its 0.9 GB of MKL is a dependency. CHOLMOD is no choice: the matrix is
+PARDISO took 1.4 to 2.9 s for the factor (then 1.9 to 2.4 s) and 0.4 to 1.5 s for 64 loads (here
+0.4 s), so neither it nor its 0.9 GB of MKL is a dependency. CHOLMOD is no choice: the matrix is
 quasi-definite, which its supernodal code refuses. A factor in single precision saved 5 to 20 % of
 the peak memory, and MINRES took 50 times as long for each load.
 
