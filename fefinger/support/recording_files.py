@@ -8,6 +8,7 @@ import io
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -238,33 +239,63 @@ def _row(
 
 
 def _labview(field: str, text: str) -> Recording:
-    """Read the first segment of a LabVIEW measurement file, with times from X0 and Delta_X."""
-    *heads, body = text.split(END)
-    if len(heads) != 2:
+    """Read a LabVIEW measurement file; segments with a header each (Multi_Headings) are joined."""
+    lines = [(at, line) for at, line in enumerate(text.splitlines(), 1) if line.strip()]
+    ends = [k for k, (_, line) in enumerate(lines) if line.startswith(END)]
+    channels = [k for k, (_, line) in enumerate(lines) if line.startswith("Channels")]
+    begins = [k for k in channels if k > min(ends, default=k)]
+    if not begins or len(begins) != len(ends) - 1:
         raise InputError(
-            f"{field}: expected a LabVIEW file of one segment, received {max(len(heads) - 1, 0)}; "
-            "save each press in a file of its own"
+            f"{field}: expected a LabVIEW file with a header from Channels to {END} above the rows "
+            f"of each segment, received {len(begins)} and {max(len(ends) - 1, 0)} of these lines"
         )
-    pairs = (line.split("\t") for line in "".join(heads).splitlines())
+    parts = [
+        _segment(field, lines[: ends[0]] + lines[begin:end], lines[end + 1 : until])
+        for begin, end, until in zip(begins, ends[1:], [*begins[1:], len(lines)], strict=True)
+    ]
+    first = parts[0]
+    for before, part in pairwise(parts):
+        last, start = before.values[-1, 0], part.values[0, 0]
+        if part.headers != first.headers or part.units != first.units:
+            problem = f"columns as in the first one, received {shortened(part.headers)}"
+        elif "X_Value" in first.headers and start <= last:
+            problem = f"times that go on, received {start:g} s after {last:g} s"
+        else:
+            continue
+        raise InputError(
+            f"{field}: line {part.line(0)}: expected a segment with {problem}; save each press in "
+            "a file of its own"
+        )
+    at = [part.line(row) for part in parts for row in range(len(part.values))]
+    values = np.concatenate([part.values for part in parts])
+    return Recording(field, first.headers, first.units, values, at.__getitem__)
+
+
+def _segment(field: str, heads: Text, body: Text) -> Recording:
+    """Read a segment, with times from X0 and Delta_X where it has none, as the first column."""
+    pairs = [re.split(r"\t" if "\t" in line else ",", line) for _, line in heads]
     head = {cells[0]: [cell.strip() for cell in cells[1:] if cell.strip()] for cells in pairs}
     mark = {"Comma": ",", "Tab": "\t"}.get(next(iter(head.get("Separator", [])), "Tab"), "\t")
     decimal = next(iter(head.get("Decimal_Separator", [])), ".")
-    lines = [line for line in body.splitlines() if line.strip()]
-    if len(lines) < 2:
+    if len(body) < 2:
         raise InputError(f"{field}: expected names and rows of numbers below {END}, received none")
-    names = [cell.strip() for cell in lines[0].split(mark)]
+    names = [cell.strip() for cell in body[0][1].split(mark)]
     names = names[:-1] if names[-1] == "Comment" else names
     has_time = next(iter(head.get("X_Columns", [])), "One") != "No"
-    rows = [[cell.strip() for cell in line.split(mark)][: len(names)] for line in lines[1:]]
+    rows = [[cell.strip() for cell in line.split(mark)][: len(names)] for _, line in body[1:]]
     keep = [i for i, name in enumerate(names) if name and (has_time or name != "X_Value")]
-    keep = [i for i in keep if names[i] != "X_Value" or i == names.index("X_Value")]
     numbers = [[_number(row[i], decimal) for i in keep if i < len(row)] for row in rows]
     bad = next((k for k, row in enumerate(numbers) if None in row or len(row) < len(keep)), None)
     if bad is not None:
-        msg = f"{field}: expected {len(keep)} numbers in every row, received {lines[1 + bad]!r:.60}"
-        raise InputError(msg)
-    values = np.array(numbers, dtype=float)
-    labels = [names[i] for i in keep]
+        msg = f"{len(keep)} numbers in every row, received {body[1 + bad][1]!r:.60}"
+        raise InputError(f"{field}: line {body[1 + bad][0]}: expected {msg}")
+    values, labels = np.array(numbers, dtype=float), [names[i] for i in keep]
+    times = [k for k, name in enumerate(labels) if name == "X_Value"]
+    if (values[:, times[1:]] != values[:, times[:1]]).any():
+        msg = "the same times X_Value of all channels, received others"
+        raise InputError(f"{field}: expected {msg}; save with one column of them (X_Columns One)")
+    values = np.delete(values, times[1:], axis=1)
+    labels = [name for k, name in enumerate(labels) if k not in times[1:]]
     stated = iter(head.get("Y_Unit_Label", []))
     units = ["s" if name == "X_Value" else next(stated, "") for name in labels]
     if not has_time:
@@ -275,8 +306,7 @@ def _labview(field: str, text: str) -> Recording:
             raise InputError(f"{field}: expected Delta_X, the time between rows, received none")
         values = np.column_stack([_times(step, len(values)) + (start or 0.0), values])
         labels, units = ["X_Value", *labels], ["s", *units]
-    offset = text[: len(text) - len(body)].count("\n") + 3
-    return Recording(field, tuple(labels), tuple(units), values, lambda row: row + offset)
+    return Recording(field, tuple(labels), tuple(units), values, lambda row: body[1 + row][0])
 
 
 def _check_rows(field: str, length: int, count: int) -> None:

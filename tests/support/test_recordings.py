@@ -52,6 +52,18 @@ def lvm(columns):
     return LVM.format(columns=columns) + body
 
 
+def segments(columns, start="0,003"):
+    """Write the press in two segments of three rows, the second of which begins at `start`."""
+    lines = lvm(columns).replace("Multi_Headings\tNo", "Multi_Headings\tYes").splitlines(True)
+    header, body = lines[8:-6], lines[-6:]
+    again = [line.replace("0,0E+0", start) for line in header]
+    return "".join([*lines[:8], *header, *body[:3], "\t\n", *again, *body[3:]])
+
+
+def in_commas(text):
+    return text.replace("Separator\tTab", "Separator\tComma").replace(",", ".").replace("\t", ",")
+
+
 TEXTS = {
     "plain": "time,position,force\n" + rows(PRESS),
     "order and units": "F [mN],t (ms),x (µm)\n" + rows(PRESS[:, [2, 0, 1]] * [1e3, 1e3, 1e3]),
@@ -63,6 +75,9 @@ TEXTS = {
     + rows(np.column_stack([PRESS * [1e3, 1e3, 1], np.full(6, 21.0)])),
     "lvm": lvm("One"),
     "lvm without times": lvm("No"),
+    "lvm of two segments": segments("One"),
+    "lvm of two segments without times": segments("No"),
+    "lvm with commas": in_commas(lvm("One")),
 }
 
 
@@ -150,6 +165,21 @@ def _with_endless_steps(file):
     file.write_text(lvm("No").replace("Delta_X\t0,001", "Delta_X\tinf"))
 
 
+def _begun_again(file):
+    file.write_text(segments("No", start="0,0E+0"))
+
+
+def _of_other_columns(file):
+    head, rows = segments("One").rsplit("X_Value", 1)
+    file.write_text(head + "X_Value" + rows.replace("Force", "Load"))
+
+
+def _of_other_times(file):
+    lines = lvm("One").replace("Position\tForce", "Position\tX_Value\tForce").splitlines()
+    body = [line.replace("\t", "\t0,5\t") for line in lines[-6:]]
+    file.write_text("\n".join([*lines[:-6], *body]))
+
+
 def _far_away(file):
     file.write_text("time,position (m),force\n0,0,0\n1,1e306,1\n")
 
@@ -171,6 +201,12 @@ UNUSUAL = {
     "names alone.lvm": (_without_rows, "names and rows of numbers below"),
     "no step.lvm": (_without_step, "expected Delta_X, the time between rows, received none"),
     "endless.lvm": (_with_endless_steps, "expected a finite number, received nan"),
+    "again.lvm": (_begun_again, "line 29: expected .* times that go on, received 0 s after 0.002"),
+    "columns.lvm": (
+        _of_other_columns,
+        "columns as in the first one, received .X_Value,Position,Load",
+    ),
+    "times.lvm": (_of_other_times, "expected the same times X_Value of all channels"),
     "far.csv": (_far_away, r"line 3, column position \(m\): expected a size of at most 1e\+30"),
     "long.h5": (_with_long_doubles, "column time: expected a finite number, received inf"),
     "type.mat": (_of_no_type, "expected a MATLAB file, received a damaged one"),
@@ -188,7 +224,9 @@ def test_a_file_that_is_nearly_one_of_its_kind_is_refused(tmp_path, name, case):
 @pytest.mark.parametrize("name", ["a.mat", "a.h5", "a.csv", "a.lvm"])
 def test_bytes_that_are_no_file_of_their_kind_are_refused(tmp_path, name):
     file = tmp_path / name
-    file.write_bytes(b"LabVIEW Measurement\n" if name == "a.lvm" else b"\x00\x01\x02\x03" * 40)
+    file.write_bytes(
+        b"LabVIEW Measurement\nChannels\t2\n" if name == "a.lvm" else b"\x00\x01\x02\x03" * 40
+    )
     with pytest.raises(InputError, match="expected a"):
         recording_files.read(str(file), file)
     with pytest.raises(InputError, match="does not exist"):
