@@ -7,7 +7,7 @@ normal at the hit. F = d . A . d of the near vertices is the flexibility in thes
 import numpy as np
 
 from fefinger.contact.pad_worlds import Factors, Pad, Work
-from fefinger.contact.signed_distance import Shapes, distance, rays
+from fefinger.contact.signed_distance import Shapes, distance, one_of, rays
 from fefinger.support.arrays import Array, Floats, Integers
 from fefinger.support.compiled import njit
 
@@ -234,7 +234,7 @@ def _pierced(
     """Whether object `b` is deeper than `deepest` mm in the skin after a part of its way."""
     sine, cosine = np.sin(part * angle), np.cos(part * angle)
     x, y, z = axis
-    local = np.empty(3)
+    local, one = np.empty(3), one_of(shapes, b)
     for j in range(len(pad.areas)):
         u = pad.points[j, 0] - was[0] - part * (place[0] - was[0])
         v = pad.points[j, 1] - was[1] - part * (place[1] - was[1])
@@ -246,7 +246,7 @@ def _pierced(
         r = cosine * w - sine * (x * v - y * u) + along * z
         for c in range(3):
             local[c] = turned[0, c] * p + turned[1, c] * q + turned[2, c] * r
-        if distance(shapes, b, local[0], local[1], local[2])[0] < -deepest:
+        if distance(shapes.samples, one, local[0], local[1], local[2])[0] < -deepest:
             return True
     return False
 

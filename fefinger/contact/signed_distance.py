@@ -21,6 +21,28 @@ GRAZING = 0.1  # least cosine between ray and normal of a hit: skin that faces t
 STEPS = 48  # along a ray
 
 
+class One(NamedTuple):
+    """One of several objects, in numbers alone: compiled code passes them on at no cost.
+
+    Its kind; the four numbers of its size; of sampled distances: index of its first sample, counts
+    along x, y and z, first point and pitch.
+    """
+
+    kind: int
+    p: float
+    q: float
+    r: float
+    edge: float
+    start: int
+    nx: int
+    ny: int
+    nz: int
+    x: float
+    y: float
+    z: float
+    pitch: float
+
+
 Ray = tuple[float, float, float, float, float, float]
 """A point and a direction, in the frame of an object."""
 
@@ -85,10 +107,21 @@ def _ellipsoid(x: float, y: float, z: float, a: float, b: float, c: float) -> tu
 
 
 @njit(cache=True)
-def _sampled(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ...]:
+def one_of(s: Shapes, b: int) -> One:
+    """Return object `b` of several."""
+    return One(
+        s.kind[b],
+        *(s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]),
+        *(s.start[b], s.counts[b, 0], s.counts[b, 1], s.counts[b, 2]),
+        *(s.low[b, 0], s.low[b, 1], s.low[b, 2], s.pitch[b]),
+    )
+
+
+@njit(cache=True)
+def _sampled(samples: Array, one: One, x: float, y: float, z: float) -> tuple[float, ...]:
     """Distance from a grid, trilinear; beyond it the one at its border plus the way there."""
-    pitch, (nx, ny, nz) = s.pitch[b], (s.counts[b, 0], s.counts[b, 1], s.counts[b, 2])
-    fx, fy, fz = (x - s.low[b, 0]) / pitch, (y - s.low[b, 1]) / pitch, (z - s.low[b, 2]) / pitch
+    pitch, nx, ny, nz = one.pitch, one.nx, one.ny, one.nz
+    fx, fy, fz = (x - one.x) / pitch, (y - one.y) / pitch, (z - one.z) / pitch
     cx, cy, cz = (
         min(max(fx, 0.0), nx - 1.0),
         min(max(fy, 0.0), ny - 1.0),
@@ -96,7 +129,7 @@ def _sampled(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ..
     )
     i, j, k = min(int(cx), nx - 2), min(int(cy), ny - 2), min(int(cz), nz - 2)
     u, v, w = cx - i, cy - j, cz - k
-    at = s.start[b] + (i * ny + j) * nz + k
+    at = one.start + (i * ny + j) * nz + k
     d = gx = gy = gz = 0.0
     for p in range(2):
         wx, tx = (u, 1.0) if p else (1.0 - u, -1.0)
@@ -104,7 +137,7 @@ def _sampled(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ..
             wy, ty = (v, 1.0) if q else (1.0 - v, -1.0)
             for r in range(2):
                 wz, tz = (w, 1.0) if r else (1.0 - w, -1.0)
-                value = s.samples[at + (p * ny + q) * nz + r]
+                value = samples[at + (p * ny + q) * nz + r]
                 d += wx * wy * wz * value
                 gx += tx * wy * wz * value
                 gy += wx * ty * wz * value
@@ -117,10 +150,14 @@ def _sampled(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ..
 
 
 @njit(cache=True)
-def _known(
-    kind: int, p: float, q: float, r: float, edge: float, x: float, y: float, z: float
-) -> tuple[float, ...]:
-    """Distance of an object without a grid, of sizes p, q, r and `edge`."""
+def distance(samples: Array, one: One, x: float, y: float, z: float) -> tuple[float, ...]:
+    """Return the distance in mm of a point from an object, in its frame, and its gradient (3).
+
+    samples (n,): those of all objects.
+    """
+    kind, p, q, r, edge = one.kind, one.p, one.q, one.r, one.edge
+    if kind == SAMPLED:
+        return _sampled(samples, one, x, y, z)
     if kind == SPHERE:
         return _ball(x, y, z, p)
     if kind == PLANE:
@@ -137,21 +174,13 @@ def _known(
 
 
 @njit(cache=True)
-def distance(s: Shapes, b: int, x: float, y: float, z: float) -> tuple[float, ...]:
-    """Return the distance in mm of a point from object `b`, in its frame, and its gradient (3)."""
-    if s.kind[b] == SAMPLED:
-        return _sampled(s, b, x, y, z)
-    p, q, r, edge = s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]
-    return _known(s.kind[b], p, q, r, edge, x, y, z)
-
-
-@njit(cache=True)
 def distances(s: Shapes, b: int, points: Array) -> Array:
     """Return the distances in mm of points (n, 3) from object `b`, and their gradients: (n, 4)."""
-    found = np.empty((len(points), 4))
+    found, one = np.empty((len(points), 4)), one_of(s, b)
     for j in range(len(points)):
         x, y, z = points[j, 0], points[j, 1], points[j, 2]
-        found[j, 0], found[j, 1], found[j, 2], found[j, 3] = distance(s, b, x, y, z)
+        far, gx, gy, gz = distance(s.samples, one, x, y, z)
+        found[j, 0], found[j, 1], found[j, 2], found[j, 3] = far, gx, gy, gz
     return found
 
 
@@ -181,8 +210,8 @@ def _straight(
 
 @njit(cache=True)
 def _followed(
-    s: Shapes,
-    b: int,
+    samples: Array,
+    one: One,
     x: float,
     y: float,
     z: float,
@@ -191,19 +220,14 @@ def _followed(
     w: float,
     reach: float,
 ) -> tuple[bool, float, float, float, float]:
-    """Follow a ray from (x, y, z) along (u, v, w), in the frame of object `b`.
+    """Follow a ray from (x, y, z) along (u, v, w), in the frame of an object.
 
     Returns whether it comes to the surface within `reach` mm, after how many mm, and the gradient
     of the distance there.
     """
-    # As `distance`, without the cost of passing all arrays at each step.
-    kind, p, q, e, edge = s.kind[b], s.size[b, 0], s.size[b, 1], s.size[b, 2], s.size[b, 3]
-    far = d = gx = gy = gz = 0.0
+    far = 0.0
     for _ in range(STEPS):
-        if kind == SAMPLED:
-            d, gx, gy, gz = _sampled(s, b, x + far * u, y + far * v, z + far * w)
-        else:
-            d, gx, gy, gz = _known(kind, p, q, e, edge, x + far * u, y + far * v, z + far * w)
+        d, gx, gy, gz = distance(samples, one, x + far * u, y + far * v, z + far * w)
         slope = gx * u + gy * v + gz * w
         # Where the ray grazes, a step of the distance itself stays on this side of the surface.
         far += d / -slope if slope < -STEEP else d
@@ -231,17 +255,14 @@ def rays(
     4) to the distance in mm of a surface of the object that faces the skin, negative inside the
     object, and to the object's outward normal there; to infinity where none is within `reach` mm.
     """
-    # Spheres and planes have a loop of their own: numba counts references to the arrays of `s` in
-    # each turn of a loop that passes them on, which takes longer than a ray.
-    kind, radius, turn, center = s.kind[b], s.size[b, 0], rotation[b], place[b]
-    if kind in (SPHERE, PLANE):
-        for k in range(len(points)):
-            ray = _turned(turn, center, points[k], normals[k])
-            _keep(found[k], turn, ray, _straight(kind, radius, *ray, reach))
-    else:
-        for k in range(len(points)):
-            ray = _turned(turn, center, points[k], normals[k])
-            _keep(found[k], turn, ray, _followed(s, b, *ray, reach))
+    one, turn, center = one_of(s, b), rotation[b], place[b]
+    for k in range(len(points)):
+        ray = _turned(turn, center, points[k], normals[k])
+        if one.kind in (SPHERE, PLANE):
+            seen = _straight(one.kind, one.p, *ray, reach)
+        else:
+            seen = _followed(s.samples, one, *ray, reach)
+        _keep(found[k], turn, ray, seen)
 
 
 @njit(cache=True)
