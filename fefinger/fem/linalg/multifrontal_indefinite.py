@@ -74,7 +74,8 @@ class ApproximateFactor:
 
     def solve(self, right: Array) -> Array:
         """Return the solution (n,) or (n, k) for right hand sides of the same shape."""
-        work = right.astype(self.branches[0].values.dtype)
+        # One column is a matrix too: the substitutions are compiled once.
+        work = right.reshape(len(right), -1).astype(self.branches[0].values.dtype)
         *branches, above = self.branches
         parts = together(lambda branch: branch.forward(work), branches)
         for branch, part in zip(branches, parts, strict=True):
@@ -83,7 +84,7 @@ class ApproximateFactor:
         work[above.unknowns] = above.forward(work)
         above.backward(work)
         together(lambda branch: branch.backward(work), branches)
-        return work.astype(np.float64)
+        return work.reshape(right.shape).astype(np.float64)
 
 
 def factor(
@@ -187,32 +188,29 @@ def _mirrored(lower: Floats, out: Floats) -> bool:
 
 @njit(cache=True, nogil=True)
 def _forward(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
-    """Forward substitution in place, for (n,) or (n, k) in the order of elimination.
+    """Forward substitution in place, for (n, k) in the order of elimination.
 
     Rows are subtracted in loops: as expressions of arrays they take seconds to compile.
     """
     place = first = 0
-    columns = work.size // len(work)
-    wide = work.reshape(len(work), columns)
+    columns = work.shape[1]
     for f in range(len(table)):
         start, stop, m = table[f]
         n = stop - start
         below = values[place + n * n : place + n * (n + m)].reshape(m, n)
-        part = np.dot(below, work[start:stop]).reshape(m, columns)
+        part = np.dot(below, work[start:stop])
         for i in range(m):
             row = rest[first + i]
             for c in range(columns):
-                wide[row, c] -= part[i, c]
+                work[row, c] -= part[i, c]
         place, first = place + n * (n + m), first + m
 
 
 @njit(cache=True, nogil=True)
 def _backward(table: Integers, rest: Integers, values: Floats, work: Floats) -> None:
-    """Backward substitution in place, for (n,) or (n, k) in the order of elimination."""
+    """Backward substitution in place, for (n, k) in the order of elimination."""
     place, first = len(values), len(rest)
-    columns = work.size // len(work)
-    wide, solved = work.reshape(len(work), columns), np.empty_like(work)
-    flat = solved.reshape(len(work), columns)
+    columns, solved = work.shape[1], np.empty_like(work)
     for f in range(len(table) - 1, -1, -1):
         start, stop, m = table[f]
         n = stop - start
@@ -222,9 +220,9 @@ def _backward(table: Integers, rest: Integers, values: Floats, work: Floats) -> 
         for i in range(m):
             row = rest[first + i]
             for c in range(columns):
-                flat[i, c] = wide[row, c]
-        own = np.dot(inverse, work[start:stop]).reshape(n, columns)
-        other = np.dot(below.T, solved[:m]).reshape(n, columns)
+                solved[i, c] = work[row, c]
+        own = np.dot(inverse, work[start:stop])
+        other = np.dot(below.T, solved[:m])
         for i in range(n):
             for c in range(columns):
-                wide[start + i, c] = own[i, c] - other[i, c]
+                work[start + i, c] = own[i, c] - other[i, c]
