@@ -7,6 +7,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -187,9 +188,21 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
             "--scheduler: expected the extra 'distributed' to be installed, "
             f"received {error}; pip install 'fefinger[distributed]'"
         ) from None
+
+    class Connected(Client):
+        """A client that ends where it cannot connect: it would try to for 60 s when Python ends."""
+
+        def __init__(self) -> None:
+            try:
+                # No default: it would stay the scheduler of every other library here.
+                super().__init__(address, set_as_default=False)
+            except Exception:
+                with suppress(Exception):
+                    self.close()
+                raise
+
     try:
-        # No default: it would stay the scheduler of every other library here if it cannot connect.
-        client = Client(address, set_as_default=False)
+        client = Connected()
     except Exception as error:  # of any class: a TypeError where tls:// has no certificates
         raise InputError(
             "--scheduler: expected the address of a Dask scheduler, such as tcp://host:8786, "

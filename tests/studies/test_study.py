@@ -438,6 +438,16 @@ def test_an_address_of_no_scheduler_gets_a_sentence(address):
     assert dask.config.get("scheduler", None) is None
 
 
+def test_a_command_without_its_scheduler_ends_with_one_sentence():
+    """A client that is not closed waits for 60 s when Python ends, and then says so."""
+    pytest.importorskip("distributed", reason="needs the extra 'distributed'")
+    command = [sys.executable, "-m", "fefinger", "study", "flat-press", "--over"]
+    command += ["indenter.angle=20,21", "--scheduler", "nowhere"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=40, check=False)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+
+
 def test_without_the_extra_the_cluster_is_refused(monkeypatch):
     monkeypatch.setitem(sys.modules, "dask.distributed", None)
     with pytest.raises(InputError, match="fefinger\\[distributed\\]"):
