@@ -2,6 +2,7 @@
 // `values(field)`, `linePlaces`, `marks` with `organPlaces` and `rates`, the `depth` of the object, and `words`.
 "use strict";
 const INK = "#1f2933", BONE = [0.937, 0.902, 0.839], STEEL = [0.56, 0.64, 0.71];
+const PLATE = "rgba(255, 255, 255, 0.8)";  // behind words
 const NARROW = 640;  // px of a scene below which words and color bar would cross
 const PAPER = { willReadFrequently: true };  // drawn without the graphics card, whose emulation is slow at lines
 const element = (id) => document.getElementById(id);
@@ -312,9 +313,11 @@ class Scene {
       const sign = { 0: ["min", "both"].includes(extend) ? "≤ " : "", 4: ["max", "both"].includes(extend) ? "≥ " : "" }[k] || "";
       pen.fillText(sign + +(low + ((high - low) * k) / 4).toPrecision(3), x + 24, y + height * (1 - k / 4) + 5);
     }
-    pen.textAlign = "right";
-    pen.fillText(`${name} / ${unit}`, x + 74, y - 12);
-    pen.textAlign = "left";
+    const title = `${name} / ${unit}`, wide = pen.measureText(title).width;
+    pen.fillStyle = PLATE;  // what is drawn may lie behind it
+    pen.fillRect(x + 71 - wide, y - 26, wide + 6, 19);
+    pen.fillStyle = INK;
+    pen.fillText(title, x + 74 - wide, y - 12);
   }
 
   // A column of pixels with the colors of a map, the highest on top.
@@ -346,7 +349,7 @@ class Scene {
       pen.moveTo(x + (fits ? 6 : -6), y);
       pen.lineTo(end, level);
       pen.stroke();
-      pen.fillStyle = "rgba(255, 255, 255, 0.8)";
+      pen.fillStyle = PLATE;
       pen.fillRect(left, level - 10, wide, 20);
       pen.fillStyle = INK;
       pen.fillText(words, left + 5, level + 4);

@@ -248,7 +248,7 @@ function timeChart() {
 
 function depthChart() {
   const deepest = shape.most.depth;
-  const chart = axes("depths", [Math.min(0, CLEAR / 2), deepest], [0, most()], "force / N", `depth / mm, to ${deepest}`);
+  const chart = axes("depths", [CLEAR, deepest], [0, most()], "force / N", `depth / mm, ${CLEAR} to ${deepest}`);
   line(chart, trace.map(([, depth, force]) => [depth, force]), "#0b5c8e");
   chart.pen.fillStyle = "#0b5c8e";
   chart.pen.fillRect(chart.x(frame.depth) - 2, chart.y(frame.force) - 2, 4, 4);  // now
