@@ -6,7 +6,7 @@ plane of the surface's own mirror symmetry, and the back is turned level: neithe
 the scan was cut, nor on how it was held.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -23,9 +23,13 @@ FEW, MANY = 300, 4000
 """Points of a surface that the fits from all directions see, and those of the last fit, of the
 symmetry and of the back."""
 
-TRIED, FIRST, STEPS = 8, 4, 40
+TRIED, FIRST, STEPS = 6, 4, 40
 """Number of directions that are fitted to the end, steps of the fits that choose them, and largest
 number of steps of a fit."""
+
+WORSE, SYMMETRY = 1.5, 4.0
+"""Misfit over the least from which on a fit is out of question, and weight of the cost of asymmetry
+over that of the misfit: fingertips are more alike in being symmetric than in their form."""
 
 CLOSE, FINE = 1e-3, 1e-8
 """Relative change of a misfit at which a fit ends that is compared with others, to a tenth, and at
@@ -46,6 +50,10 @@ UP, MIDDLE = 0.7, 0.2
 FLATTER, SPREAD, TIPS, WEIGHT = 0.8, 0.15, 0.7, 0.1
 """Usual thickness over width, standard deviation of its logarithm and of that of the length of the
 tip, and weight of both against the distances of all points."""
+
+ROUND = 0.03
+"""Standard deviation of the logarithm of thickness over width where that is above 1: a fingertip is
+wider than thick, which alone tells the sides of a surface that has no cut and no flatter pad."""
 
 SIDE, NEAR_TIP, ALONG = 0.6, 1.1, (3.0, 1.4)
 """Distance from the tip, over the width, where sides and palm of the fingertip of closed form stop
@@ -95,13 +103,18 @@ def fingertip_axes(mesh: "Trimesh") -> Axes:
         proximal = rim.mean(axis=0)
         frames = [each for each in frames if each.axes[0] @ proximal < 0.0] or frames
     frames = _different(frames)[:TRIED]
-    for _ in range(2):  # a fit changes what is near its tip
-        frames = [_fitted(few, each.axes, each) for each in frames]
-    least = min(each.misfit for each in frames)
-    # Least misfit over that of other directions, which are then alike: the one nearest to the axes
-    # of the file counts.
+    frames = [_settled(few, each) for each in frames]
+    best = min(frames, key=lambda each: each.misfit)
+    frames = _different([*frames, *(_settled(few, _rolled(best, turns)) for turns in (1, 2, 3))])
+    frames = [each for each in frames if each.misfit < WORSE * frames[0].misfit]
+    costs = [each.misfit + SYMMETRY * _asymmetry(scaled, normals, each) for each in frames]
+    # Least cost over that of other directions, which are then alike: the flattest count, and of
+    # these the one nearest to the axes of the file.
     other_side = 0.9
-    alike = [each for each in frames if each.misfit <= least / other_side]
+    flat = 1.1  # ratio of thickness over width to that of the flattest
+    alike = [frames[i] for i in range(len(frames)) if costs[i] <= min(costs) / other_side]
+    flattest = min(each.flatness for each in alike)
+    alike = [each for each in alike if each.flatness <= flat * flattest]
     chosen = max(alike, key=lambda each: float(np.trace(each.axes)))  # turned least
     chosen = _fitted(scaled, chosen.axes, chosen, tolerance=FINE)
     axes, origin = chosen.axes, chosen.origin
@@ -135,6 +148,11 @@ class Fit:
     thickness: float
     blunt: float
     misfit: float
+
+    @property
+    def flatness(self) -> float:
+        """Thickness over width."""
+        return self.thickness / self.width
 
     def near(self, points: Array) -> Flags:
         """Whether points (n, 3) are up to REACH widths from the tip."""
@@ -219,6 +237,21 @@ def _different(frames: list[Fit]) -> list[Fit]:
     return kept
 
 
+def _rolled(fit: Fit, turns: int) -> Fit:
+    """Return a fit that is rolled about its long axis by turns of 90 degrees."""
+    x, y, z = fit.axes
+    axes = np.stack([x, *((y, z), (z, -y), (-y, -z), (-z, y))[turns]])
+    width, thickness = (fit.width, fit.thickness)[:: -1 if turns % 2 else 1]
+    return replace(fit, axes=axes, width=width, thickness=thickness)
+
+
+def _settled(points: Array, fit: Fit) -> Fit:
+    """Fit twice to points (n, 3), as the first fit changes what is near its tip."""
+    for _ in range(2):
+        fit = _fitted(points, fit.axes, fit)
+    return fit
+
+
 def _start(points: Array, axes: Array) -> Fit:
     """Return a fingertip with axes (3, 3) and the size of the box of points (n, 3)."""
     local = points @ axes.T
@@ -252,10 +285,12 @@ def _fitted(
         return axes, origin, sizes[..., :1], sizes[..., 1:2], sizes[..., 2:]
 
     def away(values: Array) -> Array:
-        """Return distances, and those of the sizes from usual ones, (..., n + 2)."""
+        """Return distances, and those of the sizes from usual ones, (..., n + 3)."""
         fit = parts(values)
         _, _, width, thickness, blunt = fit
-        usual = [np.log(thickness / width / FLATTER) / SPREAD, np.log(blunt) / TIPS]
+        flat = np.log(thickness / width)
+        usual = [(flat - np.log(FLATTER)) / SPREAD, np.maximum(flat, 0.0) / ROUND]
+        usual.append(np.log(blunt) / TIPS)
         there = _distance(points[seen], *fit) / unit
         return np.concatenate([there, *(held * each for each in usual)], axis=-1)
 
@@ -263,7 +298,7 @@ def _fitted(
     difference = 1e-7
 
     def slopes(values: Array) -> Array:
-        """Return the derivatives (n + 2, 9) of `away`, by differences all at once."""
+        """Return the derivatives (n + 3, 9) of `away`, by differences all at once."""
         return ((away(values + difference * np.eye(9)) - away(values)) / difference).T
 
     bounds = np.full(9, np.inf)
@@ -302,10 +337,41 @@ def _outward(fit: Fit, points: Array, normals: Array) -> Array:
     return normals * np.where(np.einsum("ni,ni->n", away, normals) < 0.0, -1.0, 1.0)[:, None]
 
 
+def _asymmetry(points: Array, normals: Array, fit: Fit) -> float:
+    """Cost of the distances of a surface from its mirror image in the middle of a fit.
+
+    In the unit of the misfit; points (n, 3) of the surface and normals there.
+    """
+    some = slice(None, None, 2)  # of the points: every second one
+    points, normals = points[some], _outward(fit, points[some], normals[some])
+    axes, origin = fit.axes, fit.origin
+    for _ in range(2):
+        axes, origin = _symmetric(points, normals, axes, origin, fit.width)
+    off = _mirrored(points, normals, axes, origin, fit.width)[2] / (OUTLIER * fit.width)
+    return float(np.mean(np.sqrt(1.0 + off**2) - 1.0)) if len(off) else 1.0
+
+
 def _symmetric(
     points: Array, normals: Array, axes: Array, origin: Array, width: float
 ) -> tuple[Array, Array]:
     """Turn axes (3, 3) and move the origin so that y = 0 is the surface's plane of symmetry."""
+    image, normal, off = _mirrored(points, normals, axes, origin, width)
+    # The image turned by twice the yaw and roll of the plane, and moved by twice its distance.
+    turns = np.cross(image, normal)
+    matrix = np.column_stack([turns[:, 0], turns[:, 2], normal[:, 1]])
+    weight = 1.0 / np.maximum(np.abs(off), 0.02 * width)
+    twice = np.linalg.lstsq(matrix * weight[:, None], off * weight, rcond=None)[0]
+    roll, yaw, aside = twice / 2.0
+    return _turned(axes, [roll, 0.0, yaw]), origin + axes.T @ [0.0, aside, 0.0]
+
+
+def _mirrored(
+    points: Array, normals: Array, axes: Array, origin: Array, width: float
+) -> tuple[Array, Array, Array]:
+    """Mirror images (n, 3) of points in y = 0 that are near the surface, and its normals there.
+
+    Also return the distances (n,) of the surface from them, along the normals.
+    """
     from scipy.spatial import cKDTree
 
     seen = (points - origin) @ axes[0] > -REACH * width
@@ -316,15 +382,7 @@ def _symmetric(
     distance, near = cKDTree(here).query(image)
     fits = (distance < OUTLIER * width) & (facing[near] @ [1, 0, 0] > -0.7)
     image, near = image[fits], near[fits]
-    normal = facing[near]
-    off = np.einsum("ni,ni->n", here[near] - image, normal)
-    # The image turned by twice the yaw and roll of the plane, and moved by twice its distance.
-    turns = np.cross(image, normal)
-    matrix = np.column_stack([turns[:, 0], turns[:, 2], normal[:, 1]])
-    weight = 1.0 / np.maximum(np.abs(off), 0.02 * width)
-    twice = np.linalg.lstsq(matrix * weight[:, None], off * weight, rcond=None)[0]
-    roll, yaw, aside = twice / 2.0
-    return _turned(axes, [roll, 0.0, yaw]), origin + axes.T @ [0.0, aside, 0.0]
+    return image, facing[near], np.einsum("ij,ij->i", here[near] - image, facing[near])
 
 
 def _level(points: Array, normals: Array, axes: Array, origin: Array, width: float) -> Array:
