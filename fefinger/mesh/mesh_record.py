@@ -201,10 +201,15 @@ def scan_notes(quality: dict[str, Any]) -> tuple[str, ...]:
     faults = _off(quality, STRICT)
     if not faults:
         return ()
-    touch = float(np.prod(1.0 + np.array(quality["radii_errors"]))) ** 0.25 - 1.0
+    product = float(np.prod(1.0 + np.array(quality["radii_errors"])))
+    light = "The pad is hollow there in one of the two, which leaves a light touch unknown; "
+    if product > 0.0:
+        light = (
+            f"By the pad's radii the force of a light touch is {product**0.25 - 1.0:+.1%} off "
+            "(Hertz), that of a deep press less; "
+        )
     return (
-        f"The facets of the mesh leave details of the scan out: {', '.join(faults)}. By the pad's "
-        f"radii the force of a light touch is {touch:+.1%} off (Hertz), that of a deep press less; "
+        f"The facets of the mesh leave details of the scan out: {', '.join(faults)}. {light}"
         "a finer mesh (finger.resolution) has more of them.",
     )
 

@@ -10,9 +10,10 @@ from refusals import refused
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, volumes
 from fefinger.mesh import smooth, tetrahedralize
-from fefinger.mesh.build import SETTINGS, build, sizes
+from fefinger.mesh.build import SETTINGS, build, promising, sizes
 from fefinger.mesh.finger_shape import touch_point, touch_within
-from fefinger.mesh.mesh_record import dihedral_angles, gate, measure
+from fefinger.mesh.mesh_record import dihedral_angles, gate, measure, scan_notes
+from fefinger.mesh.morph import Draft
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
 from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
@@ -65,6 +66,30 @@ def test_a_mesher_without_an_end_is_ended_and_not_called_again(
     monkeypatch.setattr(tetrahedralize, "LIMIT", 0.0)
     with pytest.raises(ConvergenceError, match="not done after 0 s in 1 attempt; use another"):
         build(Recipe(13, 10, 13, resolution="coarse"), settings=ROUGH)
+
+
+def test_morphs_with_many_poor_cells_are_not_tried(rough: FingerMesh) -> None:
+    """Of a scan with a needle for a tip, eight morphs took 63 s before the mesher was called."""
+    count, no_supports = len(rough.cells), smooth.Supports(np.empty(0), np.empty(0), ())
+    source = parametric(Recipe(13, 10, 13))
+    shares = (0.01, 0.35, 0.15, 0.19, 0.18, 0.05)
+    drafts = [
+        Draft(rough, source, rough.points, no_supports, int(share * count), stretch)
+        for stretch, share in enumerate(shares)
+    ]
+    scan = [made.stretch for made in promising(drafts, scanned=True)]
+    assert scan == [0, 2, 3]  # up to half of the cells of a mesh in all
+    assert [made.stretch for made in promising(drafts, scanned=False)] == [0, 5, 2]
+
+
+def test_a_pad_that_is_hollow_where_it_should_be_round_is_said(rough: FingerMesh) -> None:
+    """The fourth root of a negative product is complex, which no text formats."""
+    notes = [
+        *scan_notes(rough.quality | {"radii_errors": [-1.3, 0.1]}),
+        *scan_notes(rough.quality | {"radii_errors": [-0.3, 0.1]}),
+    ]
+    assert "hollow" in notes[0]
+    assert "light touch is -6.3% off" in notes[1]
 
 
 def faulty(mesh: FingerMesh, fault: str) -> FingerMesh:
