@@ -38,6 +38,9 @@ which the last one does."""
 REACH = 1.6
 """Distance from the tip, over the width, up to which a surface is compared with a fingertip."""
 
+WHOLE = 0.85
+"""Share of the length of a surface that is compared: the rest may be cut askew or rounded."""
+
 OUTLIER = 0.15
 """Distance from the fitted fingertip, over its width, from which a point is none of it."""
 
@@ -126,8 +129,10 @@ def fingertip_axes(mesh: "Trimesh") -> Axes:
     place = np.eye(4)
     place[:3, :3] = axes
     place[:3, 3] = -axes @ (center + size * origin)
-    seen = chosen.near(scaled)
-    away = np.abs(chosen.distance(scaled)[seen]) / chosen.width
+    seen = chosen.near(scaled, share=1.0)  # a ball is round at both ends
+    # A fit that has grown beyond the surface is near it for its own width only.
+    widest = 1.5 * _middle_size(scaled)
+    away = np.abs(chosen.distance(scaled)[seen]) / min(chosen.width, widest)
     inside = away < OUTLIER
     return Axes(
         place,
@@ -154,9 +159,10 @@ class Fit:
         """Thickness over width."""
         return self.thickness / self.width
 
-    def near(self, points: Array) -> Flags:
-        """Whether points (n, 3) are up to REACH widths from the tip."""
-        return np.asarray((points - self.origin) @ self.axes[0] > -REACH * self.width)
+    def near(self, points: Array, share: float = WHOLE) -> Flags:
+        """Whether points (n, 3) are up to REACH widths from the tip, in a share of the length."""
+        behind = (self.origin - points) @ self.axes[0]
+        return np.asarray(behind <= min(REACH * self.width, share * float(behind.max())))
 
     def distance(self, points: Array) -> Array:
         """Distances (n,) of points (n, 3), of the first order."""
@@ -245,6 +251,11 @@ def _rolled(fit: Fit, turns: int) -> Fit:
     return replace(fit, axes=axes, width=width, thickness=thickness)
 
 
+def _middle_size(points: Array) -> float:
+    """Middle one of the three principal sizes of points (n, 3), as the width of a cylinder's."""
+    return float(np.sqrt(8.0 * np.sort(np.linalg.eigvalsh(np.cov(points.T)))[1]))
+
+
 def _settled(points: Array, fit: Fit) -> Fit:
     """Fit twice to points (n, 3), as the first fit changes what is near its tip."""
     for _ in range(2):
@@ -274,7 +285,7 @@ def _fitted(
 
     first = before or _start(points, start)
     seen = first.near(points)
-    unit = OUTLIER * np.sqrt(8.0 * np.sort(np.linalg.eigvalsh(np.cov(points.T)))[1])
+    unit = OUTLIER * _middle_size(points)
     held = np.sqrt(len(points)) * WEIGHT
 
     def parts(values: Array) -> tuple[Array, ...]:

@@ -12,6 +12,7 @@ from refusals import refused
 
 import fefinger as ff
 from fefinger.geometry import scan_fit
+from fefinger.geometry.scan_axes import fingertip_axes
 from fefinger.geometry.surface_file import SurfaceFile, read_surface
 from fefinger.geometry.surface_repair import crossings
 from fefinger.mesh import shell as surface
@@ -307,3 +308,15 @@ def test_missing_files_are_named(tmp_path: Path) -> None:
         ff.Finger(14, 10, tissue="maeno1998", surface=str(path), tip_radius=2.0)
     scan = ff.Finger(14, 10, tissue="calibrated_ah", surface=str(path))
     assert (scan.tip_tissue, scan.tip_radius) == (6.2, None)
+
+
+@pytest.mark.parametrize("size", [(24.0, 14.0, 11.0), (24.0, 14.0, 12.0), (14.0, 11.0, 24.0)])
+def test_a_surface_without_cut_or_nail_is_wider_than_thick(size: tuple[float, ...]) -> None:
+    """Rolled by 90 degrees and tilted by 8, an ellipsoid was as near to a fingertip."""
+    mesh = trimesh.creation.icosphere(4)
+    mesh.vertices *= np.array(size) / 2.0
+    tip, side, nail = np.abs(fingertip_axes(mesh).place[:3, :3])
+    long, wide, thick = np.argsort(size)[::-1]
+    assert tip[long] > 0.99
+    assert side[wide] > 0.99
+    assert nail[thick] > 0.99
