@@ -17,7 +17,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 from fefinger.theory.lumped.identify import TERMS, Identification, joint
-from fefinger.theory.lumped.ramp_hold import SMOOTHING, RampHold, free_samples, split
+from fefinger.theory.lumped.ramp_hold import SMOOTHING, RampHold, free_samples, split, still_samples
 
 
 STIFFNESS = (0.02, 100.0)
@@ -59,7 +59,7 @@ def made(
 ) -> RecordTarget:
     """Make the target of a record (n_t,) s, mm, N, called `name` in messages."""
     rig = rig or Rig()
-    free = free_samples(force)
+    free = max(free_samples(force), still_samples(position))
     tare = float(force[:free].mean()) if free >= FREE else 0.0
     try:
         parts = split(time, position, force - tare)
@@ -173,7 +173,7 @@ def motion(
     time, position, force = lumped_fit.read(
         file, fewest=fewest, of="a motion to predict", columns=columns
     )
-    free = free_samples(force)
+    free = max(free_samples(force), still_samples(position))
     tare = float(force[:free].mean()) if FREE <= free < len(force) else 0.0
     return time, position, force - tare
 

@@ -124,6 +124,16 @@ def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
         record_file.check_depth(found, Finger(width=14, thickness=1.9 * deep, tissue="maeno1998"))
 
 
+def test_a_force_that_wanders_at_rest_is_tared_until_the_position_moves(tmp_path, write):
+    table, count = trial(), 800
+    table[:, 0] += (count - 1) * np.diff(table[:2, 0]) - table[0, 0]
+    wander = 0.03 * np.sin(2 * np.pi * np.arange(count) / 100)
+    rest = np.column_stack([np.linspace(0, table[0, 0], count), np.zeros(count), wander])
+    table = changed(np.vstack([rest[:-1], table]), 2, lambda f: f + 0.05)
+    found = record_file.record(write(tmp_path / "press.csv", table), "coarse")
+    assert found.tare == pytest.approx(0.05, abs=0.01)
+
+
 def test_a_motion_to_be_predicted_is_tared_by_the_rest_before_contact(tmp_path, write):
     table = changed(trial(), 2, lambda f: f + 0.05)
     _, _, force = record_file.motion(write(tmp_path / "a.csv", table))

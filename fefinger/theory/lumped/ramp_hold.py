@@ -190,6 +190,17 @@ def free_samples(force: Array) -> int:
     return max(int(above[0]) - SMOOTHING, 0) // 2 if above.size else len(force)
 
 
+def still_samples(position: Array) -> int:
+    """Return a number of samples certainly before a position (n_t,) mm begins to move.
+
+    Half of them, as of `free_samples`, whose force may wander by colored noise at rest.
+    """
+    smoothed = smooth(position)
+    tolerance = max(STRAY * _noise(position) / np.sqrt(SMOOTHING), STILL * float(np.ptp(smoothed)))
+    moving = np.flatnonzero(np.abs(smoothed - np.median(smoothed[:SMOOTHING])) > tolerance)
+    return max(int(moving[0]) - SMOOTHING, 0) // 2 if moving.size else len(position)
+
+
 def derivative(x: Array, y: Array) -> Array:
     """Return dy/dx (n - 4,) at the inner points, by the polynomial through 5 points.
 
