@@ -59,7 +59,7 @@ def made(
 ) -> RecordTarget:
     """Make the target of a record (n_t,) s, mm, N, called `name` in messages."""
     rig = rig or Rig()
-    free = max(free_samples(force), still_samples(position))
+    free = _free(position, force)
     tare = float(force[:free].mean()) if free >= FREE else 0.0
     try:
         parts = split(time, position, force - tare)
@@ -88,6 +88,12 @@ def made(
         (MESH[mesh], ONE_G),
         np.asarray(np.linalg.cholesky(spread + np.diag(rough))),
     )
+
+
+def _free(position: Array, force: Array) -> int:
+    """Return a number of samples before contact; of a force that wanders, before any motion."""
+    free = free_samples(force)
+    return free if free >= FREE else still_samples(position)
 
 
 def _noise_of(record: RampHold, free: int, rig: Rig) -> Noise:
@@ -173,7 +179,7 @@ def motion(
     time, position, force = lumped_fit.read(
         file, fewest=fewest, of="a motion to predict", columns=columns
     )
-    free = max(free_samples(force), still_samples(position))
+    free = _free(position, force)
     tare = float(force[:free].mean()) if FREE <= free < len(force) else 0.0
     return time, position, force - tare
 

@@ -127,7 +127,7 @@ def test_a_press_as_deep_as_the_tissue_is_refused(tmp_path, write):
 def test_a_force_that_wanders_at_rest_is_tared_until_the_position_moves(tmp_path, write):
     table, count = trial(), 800
     table[:, 0] += (count - 1) * np.diff(table[:2, 0]) - table[0, 0]
-    wander = 0.03 * np.sin(2 * np.pi * np.arange(count) / 100)
+    wander = 0.03 * np.cos(2 * np.pi * np.arange(count) / 40)
     rest = np.column_stack([np.linspace(0, table[0, 0], count), np.zeros(count), wander])
     table = changed(np.vstack([rest[:-1], table]), 2, lambda f: f + 0.05)
     found = record_file.record(write(tmp_path / "press.csv", table), "coarse")
