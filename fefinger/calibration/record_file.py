@@ -93,7 +93,7 @@ def made(
 def _free(position: Array, force: Array) -> int:
     """Return a number of samples before contact; of a force that wanders, before any motion."""
     free = free_samples(force)
-    return free if free >= FREE else still_samples(position)
+    return free if free >= 4 * SMOOTHING else max(free, still_samples(position))
 
 
 def _noise_of(record: RampHold, free: int, rig: Rig) -> Noise:
