@@ -135,7 +135,8 @@ def _costs(even: Array, odd: Array, data: Array) -> tuple[tuple[Array, Array], f
     other, used, _ = _cross_validated(odd, left, _roughness(least=1))
     left = data - odd @ _solved(odd, left, other * _roughness(least=1))[1]
     cost, more, squares = _cross_validated(even, left, _roughness())
-    noise = float(np.sqrt(max(squares, 0.0) / (free - used - more)))
+    # A scan of a few points leaves no freedom, and its noise is not known.
+    noise = float(np.sqrt(max(squares, 0.0) / max(free - used - more, 1.0)))
     return (cost * _roughness(), other * _roughness(least=1)), noise
 
 

@@ -95,6 +95,9 @@ def test_pictures_are_coarser_while_drawing_is_slow_and_fine_again_at_rest(tmp_p
             widths, wanted = await tab.value(f"{script} [{width}, {pixels.format(number)}]")
             assert widths == wanted
 
+        await tab.value(
+            "delete scenes[0].organs; scenes[0].write()"
+        )  # words before a first picture
         await after(frames(100), 0.5)
         await after("pace.patience = 1;" + frames(5), 2)
         await after(frames(100), 0.5)

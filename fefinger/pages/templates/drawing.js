@@ -299,7 +299,7 @@ class Scene {
     const lower = Math.max(0.64 * tall, top + upper + 44), height = Math.min(0.26 * tall, tall - lower - 12);
     if (pressed) this.bar(pen, right, lower, height, "pressure", data.pressure);
     if (rated) this.bar(pen, right - (pressed ? 130 : 0), lower, height, "rate", { low: 0, high: data.rate, colors: data.rates, unit: "Hz", extend: "neither" });
-    const few = organs && organs.labels.length <= data.few;
+    const few = organs && this.organs && organs.labels.length <= data.few;  // those of a picture already drawn
     if (few) this.label(pen, organs.labels, right - 12, top + 20);
   }
 
