@@ -93,6 +93,7 @@ def made(
 def _free(position: Array, force: Array) -> int:
     """Return a number of samples before contact; of a force that wanders, before any motion."""
     free = free_samples(force)
+    # A rest of few samples may be where colored noise first strays; `_noise_of` uses none shorter.
     return free if free >= 4 * SMOOTHING else max(free, still_samples(position))
 
 

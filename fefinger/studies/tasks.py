@@ -196,8 +196,8 @@ def cluster(tasks: Sequence[Task], address: str) -> Iterator[tuple[int, Answer]]
             try:
                 # No default: it would stay the scheduler of every other library here.
                 super().__init__(address, set_as_default=False)
-            except Exception:
-                with suppress(Exception):
+            except Exception:  # of any class, as below; it is raised again after closing
+                with suppress(Exception):  # closing what never opened may fail as well
                     self.close()
                 raise
 

@@ -199,7 +199,7 @@ class CandidateSurface:
         short = np.linalg.norm(projected, axis=2)
         stretch = np.where(short > 0, apart / np.where(short > 0, short, 1.0), 1.0)
         offset = projected * stretch[..., None] / edge[:, None, None]
-        whole = np.ascontiguousarray(pressed), np.ascontiguousarray(gap)  # compiled once
+        whole = np.ascontiguousarray(pressed), np.ascontiguousarray(gap)  # compiled for one type
         fit_rims(near, offset, *whole, fits, fitted)
         phi, bend = fits[..., 0], fits[..., 1] / edge  # and the curvature of its zero level in 1/mm
         place = numbering(rim, len(pressed))
