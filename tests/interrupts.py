@@ -57,7 +57,7 @@ PRESS = ("--set", "finger.resolution=coarse", "--set", "motion.hold=0.2")
 COMMANDS = {
     "run": Command(("run", "sphere-press", "-o", "out", *PRESS), 12.0),
     "mesh": Command(
-        ("mesh", "flat-press", "--set", "finger.thickness=11.3", "--picture", "out.png"), 12.0
+        ("mesh", "flat-press", "--set", "finger.thickness=11.3", "-o", "out.vtu"), 12.0
     ),
     "study": Command(
         (

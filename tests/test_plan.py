@@ -92,9 +92,10 @@ def asked(**changes):
 @pytest.mark.usefixtures("four")
 def test_a_scene_may_be_named_as_for_a_run():
     named, given = "flat-press", builtin.load("flat-press")
+    # As texts: of a mechanics that is not able the seconds are NaN, which equals nothing.
     # exact: one scene is planned twice, by its name and as it is loaded
-    assert ff.explain(named) == ff.explain(given)
-    assert ff.choose(named) == ff.choose(given)  # exact: likewise
+    assert repr(ff.explain(named)) == repr(ff.explain(given))
+    assert repr(ff.choose(named)) == repr(ff.choose(given))  # exact: likewise
 
 
 @pytest.mark.usefixtures("four")

@@ -27,9 +27,6 @@ from fefinger.support.checks import InputError
 from fefinger.support.text import flat
 
 
-pytestmark = pytest.mark.filterwarnings("error")
-
-
 def often(examples: int) -> Callable[[Any], Any]:
     """Return settings of a number of examples: the same in every run, without a limit of time."""
     allowed = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]

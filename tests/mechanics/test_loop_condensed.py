@@ -231,6 +231,8 @@ def test_an_axis_and_gaps_are_enough_for_an_obstacle(mechanics: str) -> None:
         ("bare", {"reach": 1.0}, "indenter: expected an ff.Indenter"),
         (object(), {}, "indenter: expected an ff.Indenter.*`axis`"),
         ("long", {}, "indenter.axis: expected a unit vector"),
+        ("distances", {}, r"indenter.gap.points.: expected two arrays.*received ndarray \(\d+,"),
+        ("one point", {}, r"indenter.gap.points.: .*received \(\(1, 7\), \(1, 7, 3\)\)"),
     ],
 )
 def test_an_obstacle_that_a_loop_cannot_take_is_refused(
@@ -239,6 +241,11 @@ def test_an_obstacle_that_a_loop_cannot_take_is_refused(
     plate = Bare(Obstacle(direction(ff.Flat(30)), np.zeros(3)))
     if indenter == "long":
         plate.axis = 2 * plate.axis
+    gap = plate.gap
+    if indenter == "distances":
+        plate.gap = lambda points: gap(points)[0]
+    if indenter == "one point":
+        plate.gap = lambda points: gap(points[:1])
     given = plate if isinstance(indenter, str) else indenter
     with pytest.raises(InputError, match=words):
         ff.Loop(FINGER, given, **{"mechanics": "condensed"} | options)

@@ -118,7 +118,7 @@ def test_a_plugin_registers_what_it_defines_and_not_what_it_imports(tmp_path):
         ("my_trap", "class T:\n def __getattr__(s, n): 1 / 0\nt = T()", "ZeroDivisionError"),
         ("my_any", "class T:\n def __getattr__(s, n): return 1\nt = T()", None),
         ("my_law", "import fefinger as ff\nlaw = ff.Law('mine', 5)", "law.density"),
-        (300 * "m", "", "failed with OSError"),
+        (300 * "m", "", "failed with OSError|expected a module in"),  # from Python 3.14 on
         ("json", "", "rename the file"),
         ("my_taken", PLUGIN.replace("marble", "flat"), "'flat' is the name of the package"),
     ],

@@ -122,8 +122,19 @@ class OwnObstacle:
         return np.asarray(getattr(self.given, "origin", np.zeros(3)), dtype=np.float64)
 
     def gap(self, points: Array) -> tuple[Array, Array]:
-        """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3)."""
-        distance, normals = self.given.gap(points)
+        """Return the distance along the axis (...,) mm and the obstacle's normals (..., 3).
+
+        Raises InputError if the user's `gap` returns anything else.
+        """
+        answer, wanted = self.given.gap(points), (points.shape[:-1], points.shape)
+        shapes = tuple(map(np.shape, answer)) if isinstance(answer, tuple | list) else None
+        if shapes != wanted:
+            received = shapes or f"{type(answer).__name__} {np.shape(answer)}"
+            raise InputError(
+                "indenter.gap(points): expected two arrays, distances along the axis and normals, "
+                f"of shapes {wanted}, received {received}"
+            )
+        distance, normals = answer
         return np.asarray(distance, dtype=np.float64), np.asarray(normals, dtype=np.float64)
 
     def beyond(self, points: Array) -> Flags:
