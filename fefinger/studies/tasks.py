@@ -109,7 +109,8 @@ def key(task: Task) -> str:
 def write_record(path: Path, record: Mapping[str, object]) -> None:
     """Write plain values with a checksum into a folder that exists, or raise InputError."""
     text = json.dumps({**record, CHECKSUM: _checksum(record)}, allow_nan=False)
-    atomic_write.write(path.parent, {path.name: text})
+    with atomic_write.in_place(path) as new:
+        new.write_text(text, encoding="utf-8")
 
 
 def read_record(path: Path) -> dict[str, Any] | None:

@@ -67,6 +67,16 @@ def test_a_study_that_goes_on_keeps_its_choice_whatever_is_cheapest_by_then(monk
     assert mechanics_of(again) == {"condensed"}
 
 
+def test_a_folder_where_the_choice_is_stored_is_named(monkeypatch, tmp_path):
+    planned(monkeypatch, dict.fromkeys((15, 30, 45), ("linear", "standard")))
+    study.agreed(tasks(ANGLES), ANGLES, tmp_path)
+    (stored,) = tmp_path.iterdir()
+    stored.unlink()
+    stored.mkdir()
+    with pytest.raises(InputError, match=stored.name):
+        study.agreed(tasks(ANGLES), ANGLES, tmp_path)
+
+
 def test_a_scene_that_none_answers_is_not_said_to_be_answered(monkeypatch):
     planned(monkeypatch, {15: ("linear", "coarse"), 30: ("linear", "standard")})
     known = study.choose
