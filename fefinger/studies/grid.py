@@ -79,8 +79,10 @@ MEANINGS = {
 PREFIXES = {
     "hertz_": "by elliptic Hertz contact on a half-space: {}",
     "spikes_": "spikes of the units of {}, at the end organs, up to the time of the row",
+    "least_spikes_": "least number of spikes of {} in runs with another step, trial, gain or mesh",
+    "largest_spikes_": "largest number of spikes of {} in these runs",
 }
-"""Meanings of columns with a prefix; {} is the meaning of the rest of the name."""
+"""Meanings of columns with a prefix; {} is the rest of the name, or its meaning."""
 
 ERRORS = {
     "depth_mm": "depth_rel_error",
@@ -97,7 +99,7 @@ def meaning(name: str) -> str:
     for prefix, of in PREFIXES.items():
         if name.startswith(prefix):
             rest = name.removeprefix(prefix)
-            return of.format(rest if prefix == "spikes_" else MEANINGS.get(name) or MEANINGS[rest])
+            return of.format((MEANINGS.get(name) or MEANINGS[rest]) if prefix == "hertz_" else rest)
     return MEANINGS[name]
 
 

@@ -125,6 +125,9 @@ def _row(result: Result, view: "PlaneView | None", when: NamedTime, highest: flo
     row |= stated(result, where, when.given or control)
     if result.spikes is not None:
         row |= _spikes(result, row["time_s"])
+        if when.name == "end":  # other runs are counted as a whole
+            for kind, (_, least, largest) in result.spikes.totals().items():
+                row |= {f"least_spikes_{kind}": least, f"largest_spikes_{kind}": largest}
     if view is not None and row["force_N"] > 0:
         row |= _shape(view, where)
     if view is not None and view.touch is not None:

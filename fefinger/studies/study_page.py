@@ -202,8 +202,13 @@ def spikes(rows: Rows, x: str, series: Sequence[str], labels: Sequence[str] = ()
         for axis, kind in zip(axes[0], types, strict=True):
             for number, group in enumerate(groups.values()):
                 counted = [row for row in group if _number(row, f"spikes_{kind}")]
-                counts = [row[f"spikes_{kind}"] for row in counted]
-                axis.plot([row[x] for row in counted], counts, markersize=2.5, **_look(number))
+                places, counts = ([row[name] for row in counted] for name in (x, f"spikes_{kind}"))
+                (line,) = axis.plot(places, counts, markersize=2.5, **_look(number))
+                ends = (
+                    [row.get(f"{end}_spikes_{kind}", row[f"spikes_{kind}"]) for row in counted]
+                    for end in ("least", "largest")
+                )
+                axis.fill_between(places, *ends, color=line.get_color(), alpha=0.2, linewidth=0)
             axis.set(title=f"{kind}: spikes", xlabel=words(x))
             axis.set_ylim(bottom=0)
             axis.yaxis.get_major_locator().set_params(integer=True)

@@ -226,6 +226,10 @@ def test_spikes_are_counted_up_to_the_time_of_the_row(synthetic):
     assert told["end"]["spikes"] == sum(counts.values())
     for kind, count in counts.items():
         assert told["end"][f"spikes_{kind}"] == count
+    for kind, (_, least, largest) in synthetic.spikes.totals().items():
+        ends = told["end"][f"least_spikes_{kind}"], told["end"][f"largest_spikes_{kind}"]
+        assert ends == (least, largest)
+        assert f"least_spikes_{kind}" not in told["1 mm"]
     early = [times <= told["1 mm"]["time_s"] for times in synthetic.spikes.times]
     assert told["1 mm"]["spikes"] == sum(int(each.sum()) for each in early)
     nerve = replace(
