@@ -143,12 +143,15 @@ def _schur(rows: Floats, block: Floats, rest: Floats) -> Floats:
     """
     inverse, below = np.vsplit(block, [block.shape[1]])
 
+    # Each thread has an error state of its own; `_inverse` refuses what is not finite.
     def fill(first: int) -> None:
-        np.matmul(rows[first : first + STRIP], inverse, out=below[first : first + STRIP])
+        with np.errstate(over="ignore", invalid="ignore"):
+            np.matmul(rows[first : first + STRIP], inverse, out=below[first : first + STRIP])
 
     def subtract(first: int) -> None:
         strip = slice(first, first + STRIP)
-        rest[first:, strip] -= below[first:] @ rows[strip].T
+        with np.errstate(over="ignore", invalid="ignore"):
+            rest[first:, strip] -= below[first:] @ rows[strip].T
 
     strips = range(0, len(rest), STRIP)
     together(fill, strips)

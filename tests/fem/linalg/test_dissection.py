@@ -9,8 +9,9 @@ from scipy import sparse
 
 from fefinger.fem.elements.assembly import Elastic, stiffness
 from fefinger.fem.elements.spaces import Space
-from fefinger.fem.linalg import dissection, multifrontal
+from fefinger.fem.linalg import dissection, multifrontal, multifrontal_indefinite
 from fefinger.fem.linalg.dissection import dissect_space, smallest_cut
+from fefinger.support.checks import InputError
 
 
 LINE = np.linspace(0, 1, 5)
@@ -50,6 +51,21 @@ def test_the_factor_is_sparse(space: Space) -> None:
     stored = multifrontal.factor(matrix, parts)
     entries = sum(front.lower.size + front.below.size for front in stored.fronts)
     assert entries == parts.entries < 0.4 * space.n_unknowns**2
+
+
+@pytest.mark.parametrize(("pivot", "coupling"), [(1e-10, 1e20), (1e-30, 1e20)])
+def test_elimination_beyond_the_precision_is_refused_without_a_warning(
+    space: Space, pivot: float, coupling: float
+) -> None:
+    parts = dissect_space(space, np.arange(space.n_unknowns))
+    front, one = parts.fronts[0], sparse.lil_matrix((space.n_unknowns, space.n_unknowns))
+    one.setdiag(np.where(np.arange(space.n_unknowns) < front.stop, pivot, 1.0))
+    for number in front.rest:
+        one[number, : front.stop] = coupling
+        one[: front.stop, number] = coupling
+    place = np.argsort(parts.order)
+    with pytest.raises(InputError, match="singular"):
+        multifrontal_indefinite.factor(one.tocsr()[place][:, place], parts)
 
 
 @pytest.mark.parametrize("seed", range(6))
