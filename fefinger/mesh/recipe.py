@@ -150,8 +150,12 @@ def templates(resolution: str, touch: Touch) -> list[Path]:
 
 
 def has_template(recipe: Recipe) -> bool:
-    """Whether a shipped mesh can be morphed to a recipe, judged by its width."""
-    return any(
+    """Whether a shipped mesh can be morphed to a recipe, judged by its width and thickness.
+
+    Fingers thicker than wide come out stretched or with poor cells: on coarse meshes 10 and 14 mm
+    wide, at ratios of 1.25 and more, and at none up to 1.1.
+    """
+    return recipe.thickness <= STRETCH * recipe.width and any(
         shipped["resolution"] == recipe.resolution
         and shipped.get("touch") == recipe.touch
         and recipe.width <= STRETCH * shipped["width"]

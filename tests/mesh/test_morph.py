@@ -195,6 +195,9 @@ def test_smoothing_leaves_a_mesh_that_is_good_enough_alone() -> None:
     ("recipe", "expected"),
     [
         *((recipe, True) for recipe in NEW.values()),
+        (Recipe(10, 11, 10, resolution="coarse"), True),
+        (Recipe(10, 12.5, 10, resolution="coarse"), False),
+        (Recipe(14, 19.6, 14), False),
         (Recipe(25, 19, 25), False),
         (Recipe(14.2, 10.1, 14.0, touch=(4.0, 2.0)), False),
         (Recipe(14.2, 10.1, 14.0, touch=75.0), False),
