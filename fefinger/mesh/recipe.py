@@ -22,12 +22,13 @@ FORMAT = 2
 """Version of the builder in the cache key; increased when a recipe gives another mesh. Version 2
 morphs shipped meshes."""
 
-SURFACE_FORMAT = 7
+SURFACE_FORMAT = 8
 """The same for fingers from a surface file; version 3 morphs too, and averages their two halves;
 version 4 has the nail above the tip, not above half of the thickness; version 5 has curved skin in
 holes;
 version 6 finds the axes of the scan and morphs the finest mesh; version 7 has a skin as smooth as
-the noise of the scan asks."""
+the noise of the scan asks; version 8 has other axes where it has no cut or nail, and cuts a rounded
+end farther behind."""
 
 
 Touch = float | tuple[float, float] | None

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from fefinger.geometry import scan_fit
 from fefinger.geometry.finger_mesh import FingerMesh
+from fefinger.mesh import scan as scan_shape
 from fefinger.mesh import shell as surface
 from fefinger.mesh.build import build
 from fefinger.mesh.cloud import Cloud, smoothed
@@ -220,6 +221,35 @@ def test_a_scan_that_is_rounded_behind_is_cut_where_it_is_wide(tmp_path: Path) -
     )
     with pytest.raises(InputError, match=expected):
         scanned(Recipe.of(Finger.from_surface(tmp_path / "capsule-20.stl")))
+
+
+def ellipsoid(*size: float) -> Any:
+    """Return an ellipsoid of a size (3,) mm."""
+    mesh = trimesh.creation.icosphere(4)
+    mesh.vertices *= np.array(size) / 2.0
+    return mesh
+
+
+@pytest.mark.usefixtures("few_harmonics")
+@pytest.mark.parametrize("size", [(24.0, 14.0, 11.0), (41.0, 24.0, 19.0)])
+def test_a_whole_ellipsoid_is_as_long_as_a_finger(tmp_path: Path, size: Any) -> None:
+    """Cut at 0.97 of its width, one 1.7 times as long as wide had no room for a nail."""
+    ellipsoid(*size).export(tmp_path / "whole.stl")
+    found = scanned(Recipe.of(Finger.from_surface(tmp_path / "whole.stl")))
+    side, _, _ = found.sections[0].heights(np.array([found.cut]))
+    assert found.skin.points[:, 0].max() - found.cut > 1.1 * size[1]
+    assert side == pytest.approx(0.92 * size[1] / 2, rel=0.01)
+
+
+@pytest.mark.usefixtures("few_harmonics")
+def test_a_bone_is_as_slim_as_the_check_of_its_room_asks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Looked at every 0.5 mm it had 0.2 mm of tissue around it, every 0.2 mm 0.198."""
+    monkeypatch.setattr(scan_shape, "SLIM", np.linspace(1.0, 0.6, 400))
+    ellipsoid(24.0, 12.0, 10.0).export(tmp_path / "whole.stl")
+    found = scanned(Recipe.of(Finger.from_surface(tmp_path / "whole.stl")))
+    assert any("of its usual width" in note for note in found.notes)
 
 
 def cut_at(mesh: Any, x: float) -> Any:
