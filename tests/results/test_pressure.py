@@ -64,6 +64,18 @@ def test_the_highest_pressure_is_that_of_a_convolution_with_1_mm2():
     assert place == pytest.approx([0.3, -0.2, 0.0], abs=0.3)  # points are 0.13 mm apart
 
 
+@pytest.mark.parametrize("apart", [0.0, 0.5, 3.0])
+def test_the_highest_pressure_is_the_largest_peak_however_it_moves(apart):
+    """One bump that grows as it stays, or as it moves on from where most passes through time."""
+    pad = disk(3)
+    at = np.linspace(-apart, apart, 7)[:, None] * [1.0, 0.4]
+    away = ((pad.points[:, :2] - at[:, None]) ** 2).sum(axis=2)
+    pressure = np.linspace(20, 21, 7)[:, None] * np.maximum(1 - away, 0.0)
+    assert pressures.highest(pad, pressure)[0] == pytest.approx(
+        pressures.peaks(pad, pressure).max(), rel=1e-12
+    )
+
+
 def test_a_pressure_at_one_point_counts_with_its_area():
     pad = disk(2)
     pressure = np.zeros((3, len(pad.points)))
