@@ -42,7 +42,14 @@ development; morphing a shipped mesh to half a finger; meshing it anew, once whe
 passes, up to four times that (the fine one in proportion to its unknowns); the shape of a surface
 file, of few triangles and of many."""
 
-TIMED = {"sliding": 20.0, "gripping": 10.0, "forced": 12.0, "shallow": 0.25, "shared": 0.64}
+TIMED = {
+    "sliding": 20.0,
+    "gripping": 10.0,
+    "forced": 12.0,
+    "sought": {"hertz": 3.7, "layered": 3.9, "pressed": 4.2},
+    "shallow": 0.25,
+    "shared": 0.64,
+}
 """Ratios that no report holds.
 
 sliding: time of a step along a path over one of a press, 15 to 25 over dots, letters and gratings.
@@ -50,6 +57,8 @@ gripping: time of a step with friction over one without, in the cases of the ben
 forced: the same of a press under a prescribed force over one to a depth, as contact creeps at all
 times: 12 under a plate with a coefficient of 1.5, and under letters, which are solved on a whole
 finger and took 4 times as long (coarse mesh, 0.5 N held for 30 s).
+sought: time of a step under a prescribed force, whose depth is sought, over one at a depth: under a
+ball, in 20,000 steps of a sine; 1 of others.
 shallow: time of a press to first touch over one to the depth that was timed; to 0.02, 0.04, 0.08
 and 0.12 of the thickness 0.3, 0.45, 0.65 and 0.85 under two balls, a bar and a cylinder on the
 coarse mesh, 0.36 and 0.7 to 0.02 and 0.08 under a ball on the standard one. Deeper presses cost as

@@ -207,8 +207,14 @@ def condensed_once(case: Situation) -> float:
 
 def formula_seconds(mechanics: str, case: Situation) -> float:
     """Return the expected CPU time in s of a mechanics without a mesh."""
-    spent = seconds(mechanics, "setup") + len(case.times) * seconds(mechanics, "step")
+    spent = seconds(mechanics, "setup") + _stepping(mechanics, case)
     return spent + _organs(mechanics, case)
+
+
+def _stepping(mechanics: str, case: Situation, mesh: str = "") -> float:
+    """Return the time in s of the steps: longer ones where the depth under a force is sought."""
+    longer = coefficients()["sought"].get(mechanics, 1.0) if case.motion.by_force else 1.0
+    return float(longer * len(case.times) * seconds(mechanics, "step", mesh))
 
 
 @lru_cache(maxsize=8)
@@ -256,7 +262,7 @@ def pressed_seconds(case: Situation) -> float:
     stages = ("setup", "fields") if case.ask.fields else ("setup",)
     spent = sum(seconds("pressed", stage, case.mesh) for stage in stages)
     spent *= 1.0 if case.half else _whole()
-    spent += len(case.times) * seconds("pressed", "step", case.mesh) + _organs("pressed", case)
+    spent += _stepping("pressed", case, case.mesh) + _organs("pressed", case)
     return spent + pressed_once(case)
 
 

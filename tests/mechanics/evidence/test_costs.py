@@ -16,6 +16,7 @@ from fefinger.results.candidate import Candidate
 from fefinger.results.plan_text import expected_time
 from fefinger.scene import builtin
 from fefinger.support.machine import REPORTED
+from fefinger.support.vocabulary import Control
 
 
 @pytest.fixture
@@ -118,6 +119,21 @@ def test_end_organs_are_counted_before_they_are_placed(kind) -> None:
     ask = ff.Ask(spikes=("SAI", "FAI"), population=layout)
     assert costs.organs(ask) == pytest.approx(expected, rel=0.02)
     assert costs.organs(replace(ask, population=None)) == pytest.approx(2)
+
+
+@pytest.mark.parametrize(
+    ("mechanics", "took"), [("pressed", 4.4), ("hertz", 2.4), ("layered", 2.7)]
+)
+def test_depths_under_a_force_are_sought_at_the_cost_they_took(monkeypatch, mechanics, took):
+    """Seconds of 20,001 steps of a sine under a ball, on the coarse mesh."""
+    monkeypatch.setattr(costs, "slowness", lambda _: 1.0)
+    lean = {"spikes": [], "fields": False, "strain": False, "pressure": False}
+    changes = {"finger.resolution": "coarse"} | {f"ask.{key}": no for key, no in lean.items()}
+    scene = builtin.load("sphere-press", changes)
+    motion = ff.Sinusoid(amplitude=0.003, frequency=5, cycles=100, control=Control.FORCE)
+    case = Situation.of(replace(scene, motion=motion))
+    found = get(mechanics)
+    assert found.cost(case) - found.once(case) == pytest.approx(took, rel=0.5)
 
 
 def test_a_grip_that_creeps_costs_as_many_steps_as_it_took(monkeypatch) -> None:
