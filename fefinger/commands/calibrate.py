@@ -168,18 +168,17 @@ def _object(text: str) -> "Indenter":
     import tomllib
 
     from fefinger.scene.toml import indenter_of
-    from fefinger.support.checks import InputError, reject_unknown
-    from fefinger.support.inputs import parse_toml
+    from fefinger.support.checks import InputError
+    from fefinger.support.inputs import parse_value
 
     try:
-        read = parse_toml("--indenter", f"object = {{{text}}}")
+        read = parse_value("--indenter", f"{{{text}}}")
     except tomllib.TOMLDecodeError as error:
         raise InputError(
             f'--indenter: expected keys of an object, such as kind="sphere", radius=5, received '
             f"{text!r}: {error}"
         ) from None
-    reject_unknown("--indenter", read, ("object",))
-    return indenter_of(read["object"], Path())
+    return indenter_of(read, Path())
 
 
 def _design(finger: "Finger", rig: "Rig", *, as_json: bool) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from fefinger.results.plan_text import true_range
 from fefinger.scene.schema import split
 from fefinger.support.checks import InputError, number
-from fefinger.support.inputs import parse_toml
+from fefinger.support.inputs import parse_value
 from fefinger.support.text import plain
 
 
@@ -195,7 +195,7 @@ def _range(text: str, listed: str) -> tuple[float, ...]:
 def _list(text: str, field: str, listed: str) -> Values:
     """Parse a list of TOML, or of numbers and texts without quotes."""
     try:
-        return tuple(parse_toml(f"--over {field}", f"values = [{listed}]")["values"])
+        return tuple(parse_value(f"--over {field}", f"[{listed}]"))
     except tomllib.TOMLDecodeError:
         values = [part.strip() for part in listed.split(",")]
     if not all(values):

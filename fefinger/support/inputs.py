@@ -113,6 +113,16 @@ def parse_toml(field: str, text: str) -> dict[str, Any]:
         raise InputError(f"{field}: {BOUNDS}") from None
 
 
+def parse_value(field: str, text: str) -> Any:
+    """Parse one value of TOML, as `parse_toml`; keys on lines after it are an error too."""
+    table = parse_toml(field, f"value = {text}")
+    value, *others = table
+    if others:
+        message = f"expected one value, received the key {others[0]!r} after it"
+        raise tomllib.TOMLDecodeError(message)
+    return table[value]
+
+
 def read_json(path: str | PathLike[str]) -> Any:
     """Read a JSON file, or raise InputError; also for values beyond BOUNDS."""
     text = read_text("record", path, "a JSON file")

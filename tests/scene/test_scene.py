@@ -383,6 +383,7 @@ def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
         ("motion.depth.x=3", r"motion.depth.x: expected a table at motion.depth"),
         ("motion.depth=deep", r"motion.depth: .*received 'deep'"),
         ("motion.depth=nan", r"motion.depth: .*received nan"),
+        ("motion.depth=1\nhold=2", r"motion.depth: .*received '1\\nhold=2'"),
     ],
 )
 def test_a_setting_that_cannot_be_used_is_refused(text, message):

@@ -96,6 +96,11 @@ def test_an_over_that_cannot_be_used_gets_a_sentence(texts, words):
     assert words in str(error.value)
 
 
+def test_values_on_further_lines_of_an_over_are_not_dropped():
+    text = "0.3]\nx=[0.4"
+    assert parse_over([f"motion.depth={text}"])["motion.depth"] == (text,)
+
+
 def test_forces_and_depths_and_the_units_of_columns():
     assert parse_at(["1N", "0.5 mm", "2 N"]) == ((1.0, 2.0), (0.5,))
     for text in ("1", "N", "1 kPa", "-1N"):

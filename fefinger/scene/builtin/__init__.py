@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.support.checks import InputError, suggestion
-from fefinger.support.inputs import bounded, parse_toml
+from fefinger.support.inputs import bounded, parse_value
 from fefinger.support.text import plain
 
 
@@ -172,7 +172,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
         if not equals or not path:
             raise InputError(f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2")
         try:
-            overrides[path] = parse_toml(f"--set {path}", f"value = {value}")["value"]
+            overrides[path] = parse_value(f"--set {path}", value)
         except tomllib.TOMLDecodeError:
             # As a shell leaves it without quotes: a number, a text, or a list of them.
             listed = value.startswith("[") and value.endswith("]")
