@@ -165,15 +165,13 @@ def calibrate(
 
 def _object(text: str) -> "Indenter":
     """Return the object of a TOML table without its braces."""
-    import tomllib
-
     from fefinger.scene.toml import indenter_of
     from fefinger.support.checks import InputError
-    from fefinger.support.inputs import parse_value
+    from fefinger.support.inputs import NoSingleValueError, parse_value
 
     try:
         read = parse_value("--indenter", f"{{{text}}}")
-    except tomllib.TOMLDecodeError as error:
+    except NoSingleValueError as error:
         raise InputError(
             f'--indenter: expected keys of an object, such as kind="sphere", radius=5, received '
             f"{text!r}: {error}"

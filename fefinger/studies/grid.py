@@ -2,14 +2,13 @@
 
 import itertools
 import math
-import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from fefinger.results.plan_text import true_range
 from fefinger.scene.schema import split
 from fefinger.support.checks import InputError, number
-from fefinger.support.inputs import parse_value
+from fefinger.support.inputs import NoSingleValueError, parse_value
 from fefinger.support.text import plain
 
 
@@ -196,7 +195,7 @@ def _list(text: str, field: str, listed: str) -> Values:
     """Parse a list of TOML, or of numbers and texts without quotes."""
     try:
         return tuple(parse_value(f"--over {field}", f"[{listed}]"))
-    except tomllib.TOMLDecodeError:
+    except NoSingleValueError:
         values = [part.strip() for part in listed.split(",")]
     if not all(values):
         raise InputError(f"--over {text!r}: {OVER}; a value is missing")

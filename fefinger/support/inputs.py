@@ -113,13 +113,24 @@ def parse_toml(field: str, text: str) -> dict[str, Any]:
         raise InputError(f"{field}: {BOUNDS}") from None
 
 
+class NoSingleValueError(ValueError):
+    """Text that is not one value of TOML."""
+
+
 def parse_value(field: str, text: str) -> Any:
-    """Parse one value of TOML, as `parse_toml`; keys on lines after it are an error too."""
-    table = parse_toml(field, f"value = {text}")
+    """Parse one value of TOML.
+
+    Raises NoSingleValueError for other text, also with keys on lines after the value, and
+    InputError of `field` beyond BOUNDS.
+    """
+    try:
+        table = parse_toml(field, f"value = {text}")
+    except tomllib.TOMLDecodeError as error:
+        raise NoSingleValueError(str(error)) from None
     value, *others = table
     if others:
         message = f"expected one value, received the key {others[0]!r} after it"
-        raise tomllib.TOMLDecodeError(message)
+        raise NoSingleValueError(message)
     return table[value]
 
 

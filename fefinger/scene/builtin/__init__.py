@@ -2,7 +2,6 @@
 
 import os
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from copy import deepcopy
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fefinger.support.checks import InputError, suggestion
-from fefinger.support.inputs import bounded, parse_value
+from fefinger.support.inputs import NoSingleValueError, bounded, parse_value
 from fefinger.support.text import plain
 
 
@@ -173,7 +172,7 @@ def settings(texts: Iterable[str]) -> dict[str, Any]:
             raise InputError(f"--set {line!r}: expected FIELD=VALUE, as in motion.depth=2")
         try:
             overrides[path] = parse_value(f"--set {path}", value)
-        except tomllib.TOMLDecodeError:
+        except NoSingleValueError:
             # As a shell leaves it without quotes: a number, a text, or a list of them.
             listed = value.startswith("[") and value.endswith("]")
             parts = [plain(part.strip()) for part in value[1:-1].split(",")]
