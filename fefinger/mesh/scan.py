@@ -165,7 +165,11 @@ def _wide_cut(
             ),
             file,
         )
-    note = f"{name} is rounded at its proximal end: it was cut {length:.1f} mm from the tip."
+    # At that level alone: of a tapered finger that lies tilted it says nothing of the widest level.
+    note = (
+        f"{name} narrows toward its proximal end at the level of its tip: it was cut "
+        f"{length:.1f} mm from the tip."
+    )
     return cut, (note,)
 
 
