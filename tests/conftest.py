@@ -35,7 +35,6 @@ from fefinger.support.tolerances import EQUILIBRIUM
 
 recomputed.install(rewrite)
 
-HERE = Path(__file__).parent
 TYPES = ("SAI", "SAII", "FAI", "FAII")
 DEPTHS = (0.8, 1.8, 0.6, 3.0)
 AXIS = np.array([-0.5, 0.0, np.sqrt(0.75)])  # travel of a plate at 30 degrees
@@ -44,27 +43,10 @@ DEPTH = 1.5  # mm
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Keep the tests of a file in one process, and of a folder where two processes allow it.
-
-    What they share is then made once. The first process takes files from the front of the
-    collection and the second from its end: side by side in one folder both would compile the same.
-    """
+    """Keep the tests of a file in one process: what they share is then made and compiled once."""
     from xdist.scheduler import LoadFileScheduling
 
-    class FromBothEnds(LoadFileScheduling):
-        def _assign_work_unit(self, node: Any) -> None:
-            if self.nodes.index(node) % 2:
-                self.workqueue.move_to_end(next(reversed(self.workqueue)), last=False)
-            super()._assign_work_unit(node)
-
-    config.option.loadscopereorder = False
-    return FromBothEnds(config, log)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the folder that takes half of the time, so that both processes end together."""
-    items.sort(key=lambda item: item.path.parts[len(HERE.parts)] != "mechanics")
+    return LoadFileScheduling(config, log)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -18,6 +18,7 @@ import fefinger as ff
 from fefinger.__main__ import main
 from fefinger.commands import study as command
 from fefinger.mechanics.hertz import tissue
+from fefinger.neural.trains import Rerun
 from fefinger.pipeline import run
 from fefinger.scene.schema import column
 from fefinger.studies import tasks
@@ -225,16 +226,23 @@ def test_a_ball_of_hertz_has_a_round_contact_in_its_middle():
     assert row["ellipticity"] == pytest.approx(0, abs=0.01)
 
 
+def test_the_end_has_the_least_and_largest_counts_of_other_runs(synthetic):
+    counts = synthetic.spikes.count()
+    others = [Rerun("another trial", counts + 2), Rerun("another step", np.maximum(counts - 1, 0))]
+    trains = synthetic.spikes.beside(*others)
+    told = {row["at"]: row for row in rows(replace(synthetic, spikes=trains), depths=(1.0,))}
+    for kind, count in zip(trains.types, counts.tolist(), strict=True):
+        assert told["end"][f"least_spikes_{kind}"] == max(count - 1, 0)
+        assert told["end"][f"largest_spikes_{kind}"] == count + 2
+        assert f"least_spikes_{kind}" not in told["1 mm"]
+
+
 def test_spikes_are_counted_up_to_the_time_of_the_row(synthetic):
     told = {row["at"]: row for row in rows(synthetic, depths=(1.0,))}
     counts = dict(zip(synthetic.spikes.types, synthetic.spikes.count().tolist(), strict=True))
     assert told["end"]["spikes"] == sum(counts.values())
     for kind, count in counts.items():
         assert told["end"][f"spikes_{kind}"] == count
-    for kind, (_, least, largest) in synthetic.spikes.totals().items():
-        ends = told["end"][f"least_spikes_{kind}"], told["end"][f"largest_spikes_{kind}"]
-        assert ends == (least, largest)
-        assert f"least_spikes_{kind}" not in told["1 mm"]
     early = [times <= told["1 mm"]["time_s"] for times in synthetic.spikes.times]
     assert told["1 mm"]["spikes"] == sum(int(each.sum()) for each in early)
     nerve = replace(
