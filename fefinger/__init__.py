@@ -53,6 +53,11 @@ if TYPE_CHECKING:
     from fefinger.result import load as load
     from fefinger.results.result_record import Plan as Plan
     from fefinger.scene.ask import Ask as Ask
+    from fefinger.scene.ask import Fingertip as Fingertip
+    from fefinger.scene.ask import Grid as Grid
+    from fefinger.scene.ask import Line as Line
+    from fefinger.scene.ask import Places as Places
+    from fefinger.scene.ask import Scatter as Scatter
     from fefinger.scene.fabric import Fabric as Fabric
     from fefinger.scene.finger import Finger as Finger
     from fefinger.scene.indenter import Indenter as Indenter
@@ -70,11 +75,6 @@ if TYPE_CHECKING:
     from fefinger.scene.motions import Sinusoid as Sinusoid
     from fefinger.scene.motions import Trapezoid as Trapezoid
     from fefinger.scene.motions import Vibration as Vibration
-    from fefinger.scene.population import Fingertip as Fingertip
-    from fefinger.scene.population import Grid as Grid
-    from fefinger.scene.population import Line as Line
-    from fefinger.scene.population import Places as Places
-    from fefinger.scene.population import Scatter as Scatter
     from fefinger.scene.samples import Sampled as Sampled
     from fefinger.scene.scene import Scene as Scene
     from fefinger.scene.sliding import SampledPath as SampledPath
@@ -99,7 +99,7 @@ if TYPE_CHECKING:
 __version__ = VERSION
 
 _HOMES = {
-    "scene.ask": ("Ask",),
+    "scene.ask": ("Ask", "Fingertip", "Grid", "Line", "Places", "Scatter"),
     "calibration.calibrate": ("calibrate",),
     "calibration.record": ("Calibration",),
     "calibration.rig": ("Rig",),
@@ -114,7 +114,6 @@ _HOMES = {
     "scene.key": ("Key",),
     "scene.indenters": ("Bar", "Cylinder", "Ellipsoid", "Flat", "Pin", "Sphere"),
     "scene.textured": ("Dots", "Grating", "Relief"),
-    "scene.population": ("Fingertip", "Grid", "Line", "Places", "Scatter"),
     "scene.motions": (
         *("Ramp", "RampHold", "RampSinusoid", "Sinusoid", "Trapezoid", "Vibration"),
         "FrequencySweep",

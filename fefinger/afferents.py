@@ -1,6 +1,6 @@
 """Spikes from the strain at the end organs, and a check of their counts on a coarser mesh.
 
-`scene/population.py` describes a population, `mechanics/press/sites.py` places it under the
+`scene/ask.py` describes a population, `mechanics/press/sites.py` places it under the
 skin. This module adds the published anatomy, and lets the units of a family fire
 (`neural/family.py`).
 """
@@ -17,7 +17,7 @@ import numpy as np
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.costs import units_of
 from fefinger.results.candidate import MECHANICS
-from fefinger.scene.population import Disc, Grid, Layout, innervation
+from fefinger.scene.ask import Disc, Grid, Layout, innervation
 from fefinger.support import processes
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, choice, number

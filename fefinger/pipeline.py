@@ -7,7 +7,7 @@ mechanics/            `respond` of the chosen one: force, pressure, strain. All 
                       go on to `mechanics/press/`, whose `__init__` lists the parts:
                       problem.Press (mesh, body, obstacle, end organs), small_strain, finite_strain
 contact/              time steps at small strain: `frictionless.py`, each solved in `active_set.py`;
-                      `march.py` takes any kind of contact through a motion
+                      `stepper.march` takes any kind of contact through a motion
 fem/                  elements; equilibria at finite strain in `fem/hyperelastic/newton.py`. The
                       displacement gradient at the end organs is a linear map of the displacements,
                       made in `fem/elements/probe.py` and applied in `mechanics/press/`:
@@ -23,7 +23,7 @@ textures, ridges      of `layered`: `mechanics/press/layer_press.py`, solved on 
                       `contact/grid_solver.py`
 friction              `mechanics/press/moving_contact.py` at small strain (in
                       `contact/frictional.py`), `mechanics/press/finite_sliding.py` at finite
-                      strain (in `fem/hyperelastic/linearized_contact.py`)
+                      strain (in `fem/hyperelastic/linearized.py`)
 table of `pressed`    `mechanics/press/elastic_press.py`: `load_or_solve` reads it, or solves and
                       stores it; its files are written by `depth_table.write`
 stated error          `plan._rung`: `error` of the mechanics, and the error of neglecting inertia

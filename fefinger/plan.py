@@ -13,10 +13,9 @@ from fefinger.mechanics.evidence import costs, stated_errors, vibration
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS, Candidate, meshed
-from fefinger.results.plan_text import ERROR, SECONDS, relaxing, trust
-from fefinger.results.plan_text import ladder as written
 from fefinger.results.records import Refusal, Rung
-from fefinger.results.result_record import Plan, Settings
+from fefinger.results.result_record import ERROR, SECONDS, Plan, Settings, relaxing, trust
+from fefinger.results.result_record import ladder as written
 from fefinger.scene import builtin
 from fefinger.scene.ask import OUTPUTS
 from fefinger.scene.cautions import unusual

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Self
 
 from fefinger.afferents import of_units, reduced
 from fefinger.results.key_numbers import rows
-from fefinger.results.plan_text import left_out
-from fefinger.results.result_record import ResultRecord
+from fefinger.results.result_record import ResultRecord, left_out
 from fefinger.scene.cautions import quasistatic, samples, unmodeled, warnings
 from fefinger.scene.finger import origin_notes, other_size
 from fefinger.support.atomic_write import keep, output_folder

@@ -20,9 +20,8 @@ from fefinger.mechanics.press import elastic_press, finite_strain, load_steps
 from fefinger.neural.drives import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.result import Result
-from fefinger.results.plan_text import trust
 from fefinger.results.records import Fields, Pad, Refusal, Response, Rung, Sites
-from fefinger.results.result_record import Plan
+from fefinger.results.result_record import Plan, trust
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat

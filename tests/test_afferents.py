@@ -11,14 +11,13 @@ import fefinger as ff
 from fefinger import afferents
 from fefinger.afferents import fire
 from fefinger.mechanics import get
-from fefinger.mechanics.press.sites import meshed, spherical
-from fefinger.mechanics.press.unit_placement import of_population, place_units
+from fefinger.mechanics.press.sites import meshed, of_population, place_units, spherical
 from fefinger.neural.populations import BESIDE
 from fefinger.pages import report
 from fefinger.scene import builtin
+from fefinger.scene.ask import innervation
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
-from fefinger.scene.population import innervation
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 

@@ -66,7 +66,7 @@ ONLY = {
     "trimesh": ("fefinger.geometry", "fefinger.mesh", MADE_SCANS),
     "skfem": ("fefinger.fem", "fefinger.validation.problems.grids"),
     "pyvista": (
-        *("fefinger.view", "fefinger.geometry.surface_load", "fefinger.geometry.surface_repair"),
+        *("fefinger.view", "fefinger.geometry.height_map", "fefinger.geometry.surface_repair"),
         MADE_SCANS,
     ),
     "vtk": "fefinger.view",

@@ -19,7 +19,7 @@ from fefinger import mechanics, plan
 from fefinger.mechanics import get
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.situation import Situation
-from fefinger.results import key_numbers, plan_text
+from fefinger.results import key_numbers, result_record
 from fefinger.results.candidate import MECHANICS, meshed
 from fefinger.results.records import Refusal, Rung
 from fefinger.results.result_record import Settings
@@ -129,7 +129,7 @@ def test_the_cheapest_that_does_not_refuse_is_chosen_and_all_are_listed():
 def test_how_far_each_thing_that_is_asked_can_be_trusted_is_said(changes, said):
     errors = changes.pop("errors", {"area": 0.3})
     rung = Rung("linear", 1.0, 0.04, "reports/linear.json", errors=errors)
-    assert plan_text.trust(rung, scene(**changes).ask) == said
+    assert result_record.trust(rung, scene(**changes).ask) == said
 
 
 def test_where_the_force_is_prescribed_the_depth_has_an_error_and_the_force_that_there():
@@ -383,20 +383,20 @@ def test_one_that_is_named_leaves_out_what_it_cannot_give_unless_it_is_asked_for
     settled = plan.settled(scene, plan.choose(scene, mechanics))
     assert not settled.ask.fields
     assert settled.ask.pressure == settled.ask.strain == (mechanics != "lumped")
-    assert "ask.fields" in plan_text.left_out(scene.ask, mechanics)[0]
-    assert not plan_text.left_out(settled.ask, mechanics)
+    assert "ask.fields" in result_record.left_out(scene.ask, mechanics)[0]
+    assert not result_record.left_out(settled.ask, mechanics)
     with pytest.raises(InputError, match=r"ask\.fields"):
         plan.choose(replace(scene, ask=replace(scene.ask, fields=True)), mechanics)
     assert MECHANICS[plan.choose(scene).mechanics].meshed  # where none is named, all is asked for
 
 
 def test_refusals_that_differ_in_the_field_or_the_mesh_alone_are_written_once():
-    written = plan_text.ladder(plan.explain(published.load("flat-press")).rungs)
+    written = result_record.ladder(plan.explain(published.load("flat-press")).rungs)
     assert written.count("this mechanics gives only force and depth") == 1
     assert "ability: ask.pressure, ask.strain, ask.fields, ask.spikes: requested, but" in written
     changed = {"finger.tissue": "calibrated_ah", "finger.skin.thickness": 1.2}
     other = builtin.load("flat-press", changed)  # no error of small strain is known of it
-    assert "as on the standard mesh" in plan_text.ladder(plan.explain(other).rungs)
+    assert "as on the standard mesh" in result_record.ladder(plan.explain(other).rungs)
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from fefinger.calibration.outcome import FitResult
+from fefinger.calibration.outcome import FitResult, is_seen
 from fefinger.calibration.press_store import Work
-from fefinger.calibration.record_checks import is_seen
 from fefinger.calibration.records_target import presses, together
 from fefinger.calibration.rig import Prior, Rig
 

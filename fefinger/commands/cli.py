@@ -15,12 +15,11 @@ import click
 from fefinger.commands.calibrate import calibrate, fit
 from fefinger.commands.console import DONE, FAILED, UNUSABLE
 from fefinger.commands.resources import cache, mesh, scenes
-from fefinger.commands.run import explain
+from fefinger.commands.run import explain, live, view
 from fefinger.commands.run import run as run_scene
 from fefinger.commands.spikes import field, spikes
 from fefinger.commands.study import study
 from fefinger.commands.validate import bench, validate
-from fefinger.commands.view import live, view
 from fefinger.support import VERSION
 from fefinger.support.atomic_write import FULL, write_error
 from fefinger.support.checks import ConvergenceError, InputError, address_space, printable

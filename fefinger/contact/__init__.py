@@ -1,9 +1,9 @@
 """Contact of a body of known flexibility through time; needs no mesh.
 
-stepper.py           what every kind of contact offers: a step, its state, its failure
+stepper.py           what every kind of contact offers: a step, its state, its failure; and `march`,
+                     a whole motion of any of them; a loop of one's own calls the same steps
 frictionless.py, frictional.py, inertial.py    the kinds on vertices; a rolling plate
 gridded.py           the kind on a periodic grid, solved in grid_solver.py
-march.py             a whole motion of any of them; a loop of one's own calls the same steps
 force_control.py     the depth at which a force is borne
 prony_history.py     what the past leaves, by exponentials
 active_set.py, coulomb.py (coulomb_kernels.py)    the solvers of one step: complementarity, Coulomb

@@ -11,7 +11,7 @@ from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.assembly import Elastic, numbering, stiffness
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg.system import System, factor, prepare
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.geometry.finger_mesh import FingerMesh, volumes
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
@@ -46,11 +46,11 @@ class Solid:
 
     def folded(self, points: Array) -> Array:
         """Return the places in it (n, 3) mm of points of the whole finger."""
-        return mirror.to_half(points) if self.half else points
+        return finger_mesh.to_half(points) if self.half else points
 
     def unfolded(self, tensors: Array, points: Array) -> Array:
         """Return tensors (..., n, 3, 3) at points (n, 3), given those at their `folded` places."""
-        return mirror.from_half(tensors, points) if self.half else tensors
+        return finger_mesh.from_half(tensors, points) if self.half else tensors
 
     @property
     def loadable(self) -> Flags | None:

@@ -25,7 +25,7 @@ from fefinger.fem.elements.spaces import Space
 from fefinger.fem.linalg import multifrontal
 from fefinger.fem.linalg.dissection import dissect_space
 from fefinger.fem.linalg.system import compressible
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.processes import one_thread
@@ -141,13 +141,13 @@ def condense(solid: Solid, tissues: Mapping[int, Elastic], fixed: Integers) -> C
 
 def mirrored(whole: Space, half: Space, *, odd: bool) -> sparse.csr_matrix:
     """Matrix from a displacement of `half` to the even or odd displacement of `whole`."""
-    distance, twin = cKDTree(half.node_points).query(mirror.to_half(whole.node_points))
+    distance, twin = cKDTree(half.node_points).query(finger_mesh.to_half(whole.node_points))
     same = 1e-9  # largest distance of a mirrored node from its twin, over the size of the body
     if distance.max() > same * np.ptp(half.node_points):
         raise InputError("mesh: expected a finger that is symmetric about y = 0, received another")
     signs = np.ones((whole.n_nodes, 3))
     beyond = whole.node_points[:, 1] < 0
-    signs[beyond] = -mirror.SIGNS if odd else mirror.SIGNS
+    signs[beyond] = -finger_mesh.SIGNS if odd else finger_mesh.SIGNS
     columns = (3 * twin[:, None] + np.arange(3)).ravel()
     where = (np.arange(len(columns)), columns)
     shape = (whole.n_unknowns, half.n_unknowns)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.support.arrays import Array, Integers
 
 
@@ -90,9 +90,9 @@ class SmoothSkin:
         ways = ways[(ways[:, 1] >= 0.0) & (ways[:, 0] > behind)]
         points, normals = self.toward(self.center + self.size * ways)
         near = 1.0  # distance in mm from points of a scan up to which its surface is known
-        known = cKDTree(mirror.to_half(self.seen)).query(points)[0] < near
+        known = cKDTree(finger_mesh.to_half(self.seen)).query(points)[0] < near
         points, normals = points[known], normals[known]
-        both = [np.concatenate([each, mirror.image(each)]) for each in (points, normals)]
+        both = [np.concatenate([each, finger_mesh.image(each)]) for each in (points, normals)]
         return both[0], both[1]
 
     def spread(self, points: Array, weights: Array) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fefinger.geometry.surface_load import load
+from fefinger.geometry.height_map import load
 from fefinger.support.arrays import Array, Flags, Integers
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import check_input

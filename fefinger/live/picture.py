@@ -5,7 +5,7 @@ from typing import cast
 
 import numpy as np
 
-from fefinger.geometry.mirror import Halves
+from fefinger.geometry.finger_mesh import Halves
 from fefinger.live.player import RELAXED
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import placement

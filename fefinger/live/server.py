@@ -16,9 +16,8 @@ from pathlib import Path
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from fefinger.live.player import PRESETS
+from fefinger.live.player import MODULI, OBJECTS, PRESETS, SIZES, STEEPEST, UNITS, Setup, subjects
 from fefinger.live.session import LONGEST, Session
-from fefinger.live.setup import MODULI, OBJECTS, SIZES, STEEPEST, UNITS, Setup, subjects
 from fefinger.mechanics.loop_setup import MECHANICS
 from fefinger.pages import page
 from fefinger.support.checks import InputError

@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from fefinger.live.picture import Picture
-from fefinger.live.player import ABOVE, PRESETS, Player
-from fefinger.live.setup import Setup
+from fefinger.live.player import ABOVE, PRESETS, Player, Setup
 from fefinger.pipeline import run
 from fefinger.support.atomic_write import in_place, output_folder
 from fefinger.support.checks import (

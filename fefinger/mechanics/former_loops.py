@@ -11,8 +11,7 @@ from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.loop_setup import CONDENSED, MODAL, SUBSTEP
 from fefinger.mechanics.vibrations import Vibrations
-from fefinger.results.harmonic import Harmonic
-from fefinger.results.records import Fields, Step
+from fefinger.results.records import Fields, Harmonic, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD

@@ -27,11 +27,10 @@ from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, innervation
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.motion import Motion
-from fefinger.scene.population import innervation
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Ridges
 from fefinger.support.checks import BeyondError, InputError

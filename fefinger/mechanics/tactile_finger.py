@@ -30,11 +30,10 @@ from fefinger.mechanics.press.tactile_parts import Pose, TaxelGrid, poses
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.results.records import Sites
 from fefinger.results.touch import VERDICTS, Maps, Touch, TouchError
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Layout
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD, Flat
-from fefinger.scene.population import Layout
 from fefinger.shapes import Plane, Shape, packed
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import (

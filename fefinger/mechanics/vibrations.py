@@ -24,8 +24,7 @@ from fefinger.mechanics.press.prepared import Prepared
 from fefinger.mechanics.press.response import no_fields
 from fefinger.mesh.store import load_or_build
 from fefinger.results import netcdf
-from fefinger.results.harmonic import Harmonic
-from fefinger.results.records import Fields, Sites
+from fefinger.results.records import Fields, Harmonic, Sites
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import STANDARD

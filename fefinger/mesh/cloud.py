@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.support.arrays import Array, Flags, Integers
 
 
@@ -64,13 +64,13 @@ class Cloud:
 
     def asymmetry(self) -> float:
         """Mean distance in mm of the points from the mirror image of their surface."""
-        return float(np.mean(np.abs(self._through(mirror.image(self.points))[0])))
+        return float(np.mean(np.abs(self._through(finger_mesh.image(self.points))[0])))
 
     def _evaluate(self, points: Array) -> tuple[Array, Array]:
         """Compute signed distances (n,) mm and unit normals (n, 3)."""
-        sides = (self._through(points), self._through(mirror.image(points)))
+        sides = (self._through(points), self._through(finger_mesh.image(points)))
         (here, normals), (there, mirrored) = sides
-        normals = normals + mirror.image(mirrored)
+        normals = normals + finger_mesh.image(mirrored)
         normals /= np.linalg.norm(normals, axis=1)[:, None]
         return (here + there) / 2.0 + self.inset, normals
 

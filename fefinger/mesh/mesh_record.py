@@ -21,13 +21,13 @@ from fefinger.geometry.finger_mesh import (
     FACETS,
     REGIONS,
     FingerMesh,
+    Halves,
     edges,
     faces,
     parts,
     triangle_areas,
     volumes,
 )
-from fefinger.geometry.mirror import Halves
 from fefinger.mesh.finger_shape import PATCH_CENTER, PATCH_RADIUS, PLATE_NORMAL, Shape, fitted_radii
 from fefinger.mesh.recipe import Recipe
 from fefinger.support import VERSION

@@ -8,8 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import FingerMesh, whole
 from fefinger.mesh import mesh_record
 from fefinger.mesh.extend import continuation_source, extended
 from fefinger.mesh.recipe import Recipe, Touch, has_template, shipped_path

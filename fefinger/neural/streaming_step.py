@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fefinger.neural.endorgans import LARGEST_CURRENT
-from fefinger.neural.membranes.equations import Block, Stepping
-from fefinger.neural.membranes.integrate_and_fire_compiled import eventful
+from fefinger.neural.membranes.equations import Block, Stepping, eventful
 from fefinger.neural.membranes.vectorized import LANES, interval
 from fefinger.neural.recorded_compiled import Units, X, run
 from fefinger.support.arrays import Array, Integers

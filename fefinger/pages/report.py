@@ -15,8 +15,8 @@ from fefinger.geometry.finger_mesh import BONE
 from fefinger.neural.trains import FEW
 from fefinger.pages import page
 from fefinger.results import key_numbers
-from fefinger.results.harmonic import Harmonic
 from fefinger.results.pressure import highest
+from fefinger.results.records import Harmonic
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.registry import AFFERENTS

@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fefinger.results.candidate import MECHANICS
-from fefinger.results.harmonic import Harmonic
-from fefinger.results.plan_text import QUANTITIES, WIDE, range_text
 from fefinger.results.pressure import highest
-from fefinger.results.result_record import ResultRecord
+from fefinger.results.records import Harmonic
+from fefinger.results.result_record import QUANTITIES, WIDE, ResultRecord, range_text
 from fefinger.scene.cautions import missing, unusual
 from fefinger.scene.finger import RESOLUTIONS, STANDARD, other_size
 from fefinger.scene.scene import Scene

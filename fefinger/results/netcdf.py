@@ -20,9 +20,8 @@ import numpy as np
 from fefinger.neural.drives import Reference
 from fefinger.neural.trains import SpikeTrains
 from fefinger.results import labels, records, result_record
-from fefinger.results.harmonic import Harmonic
 from fefinger.results.labels import LAYOUT
-from fefinger.results.records import Fields
+from fefinger.results.records import Fields, Harmonic
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Integers
 from fefinger.support.checks import InputError

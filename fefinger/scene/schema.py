@@ -9,12 +9,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, get_args, get_origin, get_type_hints
 
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Layout, Scatter
 from fefinger.scene.file_kinds import FILE_KEYS, FROM_FILE
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.key import Key, KeyField, forms, keys_of, keys_of_kind, needed, records
-from fefinger.scene.population import Layout, Scatter
 from fefinger.scene.tissue import Hard, Ridges, Tissue
 from fefinger.scene.toml import KINDS, PRONY, SUBJECT
 from fefinger.support.vocabulary import TYPES

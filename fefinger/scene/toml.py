@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from fefinger.scene import library
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import LAYOUTS, Ask, Layout, Scatter
 from fefinger.scene.file_kinds import FROM_FILE
 from fefinger.scene.finger import FROM_TISSUE, LAYERS, Finger
 from fefinger.scene.indenter import Indenter
@@ -23,7 +23,6 @@ from fefinger.scene.motions import (
     Trapezoid,
     Vibration,
 )
-from fefinger.scene.population import LAYOUTS, Layout, Scatter
 from fefinger.scene.samples import Sampled
 from fefinger.scene.sliding import SampledPath, Slide
 from fefinger.scene.tissue import Hard, Ridges, Tissue

@@ -5,7 +5,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from fefinger.results.plan_text import true_range
+from fefinger.results.result_record import true_range
 from fefinger.scene.schema import split
 from fefinger.support.checks import InputError, number
 from fefinger.support.inputs import NoSingleValueError, parse_value

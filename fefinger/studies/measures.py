@@ -25,7 +25,8 @@ from fefinger.results.records import Pad, Rung
 from fefinger.scene.indenter import direction
 from fefinger.scene.indenters import STANDARD
 from fefinger.scene.motions import Ramp
-from fefinger.studies.force_depth import (
+from fefinger.studies.grid import ERRORS, Row
+from fefinger.studies.tables import (
     SAME,
     NamedTime,
     Slope,
@@ -35,10 +36,9 @@ from fefinger.studies.force_depth import (
     stiffness,
     until,
 )
-from fefinger.studies.grid import ERRORS, Row
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.elliptic import LONGEST, Elliptic
+from fefinger.theory.contact.hertz import LONGEST, Elliptic
 from fefinger.theory.relaxation import hereditary_integral
 
 

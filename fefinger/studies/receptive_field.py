@@ -24,7 +24,7 @@ from fefinger.results.candidate import MECHANICS
 from fefinger.results.records import Response
 from fefinger.results.result_record import Plan
 from fefinger.scene import builtin
-from fefinger.scene.population import Places
+from fefinger.scene.ask import Places
 from fefinger.scene.scene import Scene
 from fefinger.support import atomic_write
 from fefinger.support.arrays import Array, Integers

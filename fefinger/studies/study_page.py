@@ -7,9 +7,8 @@ import numpy as np
 
 from fefinger.pages import page
 from fefinger.scene.schema import split
-from fefinger.studies.force_depth import POINTS, WINDOW
 from fefinger.studies.grid import DIGITS, ERRORS, MEASURES, Row, bounds, remarks, words
-from fefinger.studies.tables import StudyRows
+from fefinger.studies.tables import POINTS, WINDOW, StudyRows
 from fefinger.support.text import brief, percent
 from fefinger.view import figures
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from fefinger.neural.trains import FEW
-from fefinger.results.harmonic import Harmonic
+from fefinger.results.records import Harmonic
 from fefinger.results.result_record import ResultRecord
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array, Floats, Integers

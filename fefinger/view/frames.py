@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.geometry.finger_mesh import boundary_edges
-from fefinger.geometry.mirror import Halves
+from fefinger.geometry.finger_mesh import Halves, boundary_edges
 from fefinger.geometry.profiles import Plane, Profile, frame
 from fefinger.results.records import Fields
 from fefinger.results.result_record import ResultRecord

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fefinger.geometry import finger_mesh, mirror
+from fefinger.geometry import finger_mesh
 from fefinger.geometry.finger_mesh import BONE, SKIN, SUBCUTANEOUS, inside_weights, volumes
 from fefinger.results.records import Fields
 from fefinger.support.arrays import Array, Flags, Integers
@@ -59,7 +59,7 @@ def cut_open(fields: Fields, *, inner: bool = True) -> tuple[Piece, ...]:
 
 def other_half(fields: Fields) -> tuple[Piece, ...]:
     """Return the outer skin before the medial plane, which `cut_open` leaves out."""
-    mirrored = replace(fields, points=mirror.image(fields.points))
+    mirrored = replace(fields, points=finger_mesh.image(fields.points))
     return tuple(
         replace(piece, name=FRONT, triangles=piece.triangles[:, ::-1])
         for piece in cut_open(mirrored, inner=False)
@@ -158,6 +158,6 @@ def follow(fields: Fields, points: Array) -> Followed:
     A point outside of the mesh follows the nearest place of the nearest cell.
     """
     mirrored = (points[:, 1] < 0) & frames.is_half(fields.points)
-    place = np.where(mirrored[:, None], mirror.image(points), points)
+    place = np.where(mirrored[:, None], finger_mesh.image(points), points)
     cell, weight = inside_weights(fields.points[fields.cells], place)
     return Followed(points, fields.cells[cell], weight, mirrored)

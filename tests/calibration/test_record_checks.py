@@ -6,7 +6,7 @@ from scipy.signal import lfilter
 
 from fefinger.calibration import record_file
 from fefinger.calibration.curve import ForceLaw
-from fefinger.calibration.record_checks import findings, told
+from fefinger.calibration.outcome import findings, told
 from fefinger.calibration.rig import Rig
 from fefinger.theory.relaxation import Prony
 

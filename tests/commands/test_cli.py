@@ -19,8 +19,8 @@ from fefinger.__main__ import main
 from fefinger.commands import console
 from fefinger.mechanics import linear
 from fefinger.result import load
-from fefinger.results.plan_text import trust
 from fefinger.results.records import Lateral, Refusal
+from fefinger.results.result_record import trust
 from fefinger.scene import builtin
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import origin_notes

@@ -8,9 +8,8 @@ from fefinger.contact import active_set
 from fefinger.contact.complementarity import Complementarity
 from fefinger.contact.force_control import CORRECTIONS, depth_of_force
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import Prescribed, march
 from fefinger.contact.prony_history import Relaxation
-from fefinger.contact.stepper import Stepper, Target
+from fefinger.contact.stepper import Prescribed, Stepper, Target, march
 from fefinger.support.checks import ConvergenceError
 from fefinger.support.tolerances import COMPLEMENTARITY, FORCE_MATCH, LEAST_FORCE, SMALL_FORCE
 

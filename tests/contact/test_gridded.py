@@ -8,9 +8,8 @@ from scipy.integrate import quad
 from fefinger.contact.active_set import DONE, ENDLESS, TURNED
 from fefinger.contact.grid_solver import GridSolver
 from fefinger.contact.gridded import GridContact
-from fefinger.contact.march import Prescribed, march
 from fefinger.contact.prony_history import Relaxation
-from fefinger.contact.stepper import Target
+from fefinger.contact.stepper import Prescribed, Target, march
 
 
 STIFF = 50.0

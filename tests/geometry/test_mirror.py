@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
-from fefinger.geometry import mirror
-from fefinger.geometry.finger_mesh import volumes
-from fefinger.geometry.mirror import Halves
+from fefinger.geometry.finger_mesh import (
+    TENSOR_SIGNS,
+    VOIGT_SIGNS,
+    Halves,
+    from_half,
+    image,
+    to_half,
+    volumes,
+)
 
 
 RNG = np.random.default_rng(0)
@@ -27,30 +33,30 @@ def six(tensors):
 
 def test_an_image_of_an_image_is_the_point_itself():
     points = RNG.normal(size=(4, 5, 3))
-    image = mirror.image(points)
-    assert np.array_equal(image[..., 1], -points[..., 1])  # exact: a change of sign
-    assert np.array_equal(mirror.image(image), points)  # exact: two changes of sign
+    mirrored = image(points)
+    assert np.array_equal(mirrored[..., 1], -points[..., 1])  # exact: a change of sign
+    assert np.array_equal(image(mirrored), points)  # exact: two changes of sign
 
 
 def test_a_place_in_the_half_is_the_nearer_side_and_rounding_lies_on_the_plane():
     points = np.array([[1.0, -2.0, 3.0], [1.0, 2.0, 3.0], [5.0, -1e-12, 0.0]])
-    half = mirror.to_half(points)
+    half = to_half(points)
     assert half.tolist() == [[1, 2, 3], [1, 2, 3], [5, 0, 0]]
     assert points[2, 1] == -1e-12  # the given points stay as they are
-    assert len(mirror.to_half(np.empty((0, 3)))) == 0
+    assert len(to_half(np.empty((0, 3)))) == 0
 
 
 def test_tensors_of_the_half_are_those_of_the_whole_at_the_places_themselves():
     points = RNG.normal(size=(20, 3))
     whole = gradient(points)
-    assert mirror.from_half(gradient(mirror.to_half(points)), points) == pytest.approx(whole)
+    assert from_half(gradient(to_half(points)), points) == pytest.approx(whole)
     in_time = np.stack([whole, 2 * whole])
-    halves = np.stack([gradient(mirror.to_half(points)), 2 * gradient(mirror.to_half(points))])
-    assert mirror.from_half(halves, points) == pytest.approx(in_time)
+    halves = np.stack([gradient(to_half(points)), 2 * gradient(to_half(points))])
+    assert from_half(halves, points) == pytest.approx(in_time)
 
 
 def test_the_signs_of_six_components_are_those_of_the_tensor():
-    assert np.array_equal(mirror.VOIGT_SIGNS, [mirror.TENSOR_SIGNS[pair] for pair in PAIRS])
+    assert np.array_equal(VOIGT_SIGNS, [TENSOR_SIGNS[pair] for pair in PAIRS])
 
 
 def test_a_whole_shares_the_points_of_the_plane():
@@ -58,7 +64,7 @@ def test_a_whole_shares_the_points_of_the_plane():
     points = halves.vectors(POINTS)
     assert halves.twin.tolist() == [0, 1, 2, 5, 6]
     assert halves.origin.tolist() == [0, 1, 2, 3, 4, 3, 4]
-    assert np.array_equal(points[halves.twin], mirror.image(POINTS))
+    assert np.array_equal(points[halves.twin], image(POINTS))
     assert len(np.unique(points, axis=0)) == len(points)
     assert halves.values(np.arange(5.0)).tolist() == [0, 1, 2, 3, 4, 3, 4]
 
@@ -71,7 +77,7 @@ def test_a_whole_has_twice_the_volume_and_its_cells_and_triangles_keep_their_tur
     assert whole == pytest.approx(np.tile(inside, 2))
     a, b, c = np.moveaxis(points[halves.triangles(np.array([[1, 4, 3]]))], 1, 0)
     normals = np.cross(b - a, c - a)
-    assert normals[1] == pytest.approx(mirror.image(normals[0]))
+    assert normals[1] == pytest.approx(image(normals[0]))
 
 
 def test_fields_of_the_whole_are_those_of_the_half_on_either_side():

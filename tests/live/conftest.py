@@ -2,8 +2,7 @@
 
 import pytest
 
-from fefinger.live.player import Player
-from fefinger.live.setup import Setup
+from fefinger.live.player import Player, Setup
 from fefinger.mechanics.loop import Loop
 
 

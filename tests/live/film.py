@@ -14,8 +14,8 @@ from browser import opened
 from PIL import Image
 
 from fefinger.live import session
+from fefinger.live.player import Setup
 from fefinger.live.server import Server
-from fefinger.live.setup import Setup
 
 
 SLOWER, STEP, SIZE = 25.0, 0.08, (1180, 860)  # s of the model between pictures; pixels

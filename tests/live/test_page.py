@@ -12,8 +12,8 @@ pytest.importorskip("aiohttp")
 
 from browser import CHROMIUM, Tab, opened
 
+from fefinger.live.player import Setup
 from fefinger.live.server import Server
-from fefinger.live.setup import Setup
 from fefinger.result import load
 from fefinger.scene.scene import Scene
 

@@ -7,8 +7,7 @@ import pytest
 
 import fefinger as ff
 from fefinger.live.picture import Picture
-from fefinger.live.player import ABOVE, PRESETS, Player
-from fefinger.live.setup import OBJECTS, Setup, population_sites
+from fefinger.live.player import ABOVE, OBJECTS, PRESETS, Player, Setup, population_sites
 from fefinger.mechanics.press.problem import Press
 from fefinger.mechanics.press.tabulated_press import METHOD
 from fefinger.support.progress import Stages

@@ -12,11 +12,10 @@ import pytest
 
 aiohttp = pytest.importorskip("aiohttp")  # before what imports it: the extra may be missing
 
-from fefinger.commands.view import live  # noqa: E402
+from fefinger.commands.run import live  # noqa: E402
 from fefinger.live import session  # noqa: E402
-from fefinger.live.player import Player  # noqa: E402
+from fefinger.live.player import Player, Setup  # noqa: E402
 from fefinger.live.server import Server  # noqa: E402
-from fefinger.live.setup import Setup  # noqa: E402
 from fefinger.mechanics.loop import Loop  # noqa: E402
 from fefinger.support.checks import InputError  # noqa: E402
 

@@ -12,8 +12,7 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.probe import strain_at
-from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import FingerMesh, whole
 from fefinger.mechanics import linear
 from fefinger.mechanics import solid as finite
 from fefinger.mechanics.press import placement, problem

@@ -27,7 +27,7 @@ from fefinger.mechanics.situation import Situation
 from fefinger.mesh.store import load_or_build
 from fefinger.scene import builtin
 from fefinger.scene.cautions import coarse_samples
-from fefinger.studies.force_depth import dynamic_stiffness
+from fefinger.studies.tables import dynamic_stiffness
 from fefinger.support import cache
 from fefinger.support.checks import InputError
 from fefinger.support.tensors import tensor_from_voigt

@@ -11,7 +11,7 @@ from damage import flip
 from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS
 from fefinger.validation.pressed.scenes import LIGHT
 
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import whole
 from fefinger.mechanics import pressed, solid
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.loop import Loop

@@ -5,8 +5,7 @@ import pytest
 from oracles.solids import assert_closed, enclosed
 from refusals import refused
 
-from fefinger.geometry.finger_mesh import FingerMesh, parts, volumes
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import FingerMesh, parts, volumes, whole
 from fefinger.mesh import extend, mesh_record
 from fefinger.mesh.mesh_record import dihedral_angles
 from fefinger.mesh.recipe import data_folder

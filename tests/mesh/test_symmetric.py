@@ -5,8 +5,7 @@ import pytest
 from oracles.solids import assert_closed, enclosed
 from refusals import refused
 
-from fefinger.geometry.finger_mesh import FingerMesh, volumes
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import FingerMesh, volumes, whole
 from fefinger.mesh import mesh_record
 from fefinger.mesh.recipe import data_folder
 

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from damage import flip
 
-from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import FingerMesh, whole
 from fefinger.mesh import mesh_record, store
 from fefinger.mesh.recipe import Recipe, data_folder
 from fefinger.scene.finger import Finger

@@ -8,8 +8,7 @@ import pytest
 from fefinger import mechanics
 from fefinger.results import key_numbers
 from fefinger.results.candidate import MECHANICS, Candidate, meshed
-from fefinger.results.harmonic import Harmonic, apart
-from fefinger.results.records import Rung
+from fefinger.results.records import Harmonic, Rung, apart
 from fefinger.support.tensors import logarithmic
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fefinger.scene import library, population
+from fefinger.scene import ask, library
 from fefinger.scene.finger import Finger
 from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
@@ -88,7 +88,7 @@ def test_every_tissue_set_makes_a_finger_and_names_its_source_and_confidence(nam
 
 
 def test_end_organs_lie_inside_their_published_range_in_every_subject():
-    rows = population.innervation()
+    rows = ask.innervation()
     assert tuple(rows) == TYPES
     for row, (low, high) in zip(
         rows.values(), ((0.7, 1), (1, 1.5), (0.5, 0.5), (2, 3)), strict=True

@@ -12,11 +12,10 @@ from fefinger.validation.problems import published
 from refusals import refused
 
 from fefinger.scene import builtin
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Scatter
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Ellipsoid, Flat, Sphere
 from fefinger.scene.motions import Ramp, RampHold
-from fefinger.scene.population import Scatter
 from fefinger.scene.samples import Sampled
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Tissue

@@ -8,11 +8,10 @@ import jsonschema
 import pytest
 
 from fefinger.scene import builtin
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import LAYOUTS, Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import INDENTERS
 from fefinger.scene.key import keys_of
-from fefinger.scene.population import LAYOUTS
 from fefinger.scene.scene import Scene
 from fefinger.scene.schema import parameters, schema
 from fefinger.scene.tissue import Hard, Tissue

@@ -5,10 +5,9 @@ from dataclasses import fields
 
 import pytest
 
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import LAYOUTS, Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import INDENTERS
-from fefinger.scene.population import LAYOUTS
 from fefinger.scene.schema import column, split
 from fefinger.scene.tissue import Hard, Tissue
 from fefinger.scene.toml import MOTIONS

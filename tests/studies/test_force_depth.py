@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fefinger as ff
-from fefinger.studies.force_depth import POINTS, WINDOW, dynamic_stiffness, stiffness
+from fefinger.studies.tables import POINTS, WINDOW, dynamic_stiffness, stiffness
 
 
 LAWS = {

@@ -11,12 +11,12 @@ from fefinger.mechanics.situation import Situation
 from fefinger.pipeline import run
 from fefinger.plan import choose
 from fefinger.results import pressure
-from fefinger.scene.population import Scatter
+from fefinger.scene.ask import Scatter
 from fefinger.scene.schema import split
 from fefinger.studies import study_page
 from fefinger.studies.grid import ERRORS, bounds, words
 from fefinger.studies.measures import SPEED, rows, share
-from fefinger.theory.contact.elliptic import Elliptic
+from fefinger.theory.contact.hertz import Elliptic
 from fefinger.theory.relaxation import Prony
 
 

@@ -23,13 +23,12 @@ import numpy as np
 from fefinger.mechanics import get
 from fefinger.neural.drives import DRIVE_BY_NAME
 from fefinger.plan import choose, settled
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Places, innervation
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Bar, Flat, Pin, Sphere
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import Ramp, RampHold
-from fefinger.scene.population import Places, innervation
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 

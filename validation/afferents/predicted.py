@@ -14,10 +14,9 @@ from fefinger.neural.recorded import fitted, simulate_recorded
 from fefinger.neural.statistics import interval_variation
 from fefinger.neural.variation import Variation
 from fefinger.plan import choose, settled
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Places
 from fefinger.scene.indenters import Pin
 from fefinger.scene.motions import Ramp, Trapezoid
-from fefinger.scene.population import Places
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 

@@ -22,11 +22,11 @@ from fefinger.validation.problems import published
 
 from fefinger.contact import active_set
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import History, Prescribed, march
 from fefinger.contact.prony_history import Relaxation
+from fefinger.contact.stepper import History, Prescribed, march
 from fefinger.fem.body import body
 from fefinger.fem.condensation import Compliance, palmar
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.geometry.finger_mesh import FingerMesh
 from fefinger.mechanics.loop import Loop
 from fefinger.mechanics.press import operator, operator_cache, problem
@@ -198,7 +198,7 @@ def spiking(finger: Loop, label: str, **options: Any) -> list[Figure]:
 
 def _rolling(finger: Finger, sites: Sites) -> list[Figure]:
     """Time the steps of a plate that turns from one of ANGLES to the other and back."""
-    folded = replace(sites, points=mirror.to_half(sites.points))
+    folded = replace(sites, points=finger_mesh.to_half(sites.points))
     rolling = Loop(finger, mechanics="condensed", angles=ANGLES, deepest=1.1, sites=folded)
     angles = np.interp(np.arange(TURNS), [0, TURNS / 2, TURNS], [*ANGLES, ANGLES[0]]).tolist()
     for _ in range(2):  # compiles

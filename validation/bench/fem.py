@@ -15,7 +15,7 @@ from fefinger.validation.fem import hertz
 from fefinger.validation.problems import published
 
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import Prescribed, march
+from fefinger.contact.stepper import Prescribed, march
 from fefinger.fem import body
 from fefinger.fem.contact.patch import patch
 from fefinger.fem.elements.assembly import stiffness

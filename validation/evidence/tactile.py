@@ -22,7 +22,7 @@ from fefinger.validation.provenance import save
 
 from fefinger import pipeline, shapes
 from fefinger.fem.body import solid
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import whole
 from fefinger.mechanics.evidence.tactile_errors import REPORT
 from fefinger.mechanics.press.placement import obstacle
 from fefinger.mechanics.tactile_finger import TactileFinger

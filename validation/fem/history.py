@@ -16,7 +16,7 @@ from fefinger.validation.problems.grids import quarter
 from fefinger.validation.problems.quarter import Quarter, outer
 
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import History, Prescribed, march
+from fefinger.contact.stepper import History, Prescribed, march
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.scene import library
 from fefinger.support.arrays import Array

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fefinger.contact.frictional import FrictionalContact
-from fefinger.contact.march import History, Prescribed, march
+from fefinger.contact.stepper import History, Prescribed, march
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony, hereditary_integral
 

@@ -11,7 +11,7 @@ from fefinger.validation.problems.cube import glued_cube
 from scipy.sparse.linalg import splu
 
 from fefinger.fem.hyperelastic.continuum import continuum
-from fefinger.fem.hyperelastic.friction_history import FrictionHistory
+from fefinger.fem.hyperelastic.load_path import FrictionHistory
 from fefinger.fem.hyperelastic.state import State, Target
 from fefinger.geometry.profiles import Plane, frame
 from fefinger.mechanics import linear, solid

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import Prescribed, march
+from fefinger.contact.stepper import Prescribed, march
 from fefinger.support.arrays import Array, Flags
 from fefinger.theory.relaxation import Prony
 

@@ -13,13 +13,12 @@ from fefinger.validation.case import Case, Expected
 from fefinger.afferents import fire
 from fefinger.mechanics import get
 from fefinger.neural.statistics import mean_rates
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Line
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motion import Motion
 from fefinger.scene.motions import RampHold
-from fefinger.scene.population import Line
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from fefinger.contact.complementarity import Complementarity, pressure_at_force
-from fefinger.contact.march import History, Prescribed
 from fefinger.contact.prony_history import Relaxation
+from fefinger.contact.stepper import History, Prescribed
 from fefinger.support.arrays import Array
 
 

@@ -15,7 +15,7 @@ from fefinger.validation.problems.quarter import Indenter, top
 from scipy import sparse
 
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import Prescribed, march
+from fefinger.contact.stepper import Prescribed, march
 from fefinger.fem import condensation
 from fefinger.fem.body import Solid
 from fefinger.fem.contact.patch import Patch, directed, patch

@@ -13,7 +13,7 @@ from fefinger.validation.tradeoff import held_out, scenes
 
 from fefinger.mechanics.evidence.presses import EVIDENCE, read
 from fefinger.mechanics.evidence.stated_errors import NEAREST
-from fefinger.results.plan_text import QUANTITIES
+from fefinger.results.result_record import QUANTITIES
 
 
 AS_REPORTED = 0.05

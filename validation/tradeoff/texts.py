@@ -9,7 +9,7 @@ from fefinger.mechanics import get
 from fefinger.mechanics.evidence.stated_errors import STATED
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
-from fefinger.results.plan_text import QUANTITIES
+from fefinger.results.result_record import QUANTITIES
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat

@@ -18,13 +18,13 @@ from fefinger.mechanics.press.modal_body import PER_CUBIC_METER, finger_modes
 from fefinger.mechanics.press.operator import operator
 from fefinger.mechanics.situation import Situation
 from fefinger.mechanics.vibrations import Vibrations
-from fefinger.results.harmonic import Complex, Harmonic
+from fefinger.results.records import Complex, Harmonic
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import FrequencySweep, RampSinusoid
 from fefinger.scene.scene import Scene
-from fefinger.studies.force_depth import dynamic_stiffness
+from fefinger.studies.tables import dynamic_stiffness
 from fefinger.support.arrays import Array
 
 

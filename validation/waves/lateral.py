@@ -21,7 +21,7 @@ from fefinger.mechanics.press.frequency_response import RimError
 from fefinger.mechanics.press.modal_body import body_of_modes, residual_inertia
 from fefinger.mechanics.press.moving_contact import with_tractions
 from fefinger.mechanics.vibrations import Vibrations
-from fefinger.results.harmonic import PER_METER, Complex
+from fefinger.results.records import PER_METER, Complex
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.support.arrays import Array

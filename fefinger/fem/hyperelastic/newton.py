@@ -47,9 +47,8 @@ from fefinger.fem.hyperelastic.iterate import (
     relative_error,
     stagnant,
 )
-from fefinger.fem.hyperelastic.linearized_contact import LinearizedContact
+from fefinger.fem.hyperelastic.linearized import FactoredTangent, LinearizedContact
 from fefinger.fem.hyperelastic.state import State, Target
-from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.fem.linalg.multifrontal_indefinite import ApproximateFactor
 from fefinger.fem.linalg.system import System, approximate_factor
 from fefinger.support.arrays import Array

@@ -23,9 +23,8 @@ from fefinger.mechanics.press.operator_cache import available, parities
 from fefinger.mechanics.press.time_steps import time_grid
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import MECHANICS
-from fefinger.scene.ask import Ask
+from fefinger.scene.ask import Ask, Disc, Grid, Layout, Line, Places, innervation
 from fefinger.scene.motion import Motion
-from fefinger.scene.population import Disc, Grid, Layout, Line, Places, innervation
 from fefinger.support.checks import InputError
 from fefinger.support.machine import slowness
 from fefinger.support.processes import threads

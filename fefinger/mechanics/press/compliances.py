@@ -30,7 +30,7 @@ from fefinger.fem.contact.obstacle import Obstacle, OwnObstacle
 from fefinger.fem.contact.patch import Patch, candidates, directed, patch, trace_of
 from fefinger.fem.elements.probe import recovered_strain_at
 from fefinger.fem.elements.spaces import Space
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.mechanics.press import operator, placement
 from fefinger.results.records import Sites
 from fefinger.scene.finger import Finger
@@ -162,4 +162,4 @@ def elastic_surface(
 
 def images_of(solid: Solid) -> Array:
     """Return the signs (1 or 2, 3) by which the meshed part gives the whole finger."""
-    return np.array([np.ones(3), mirror.SIGNS][: solid.sides])
+    return np.array([np.ones(3), finger_mesh.SIGNS][: solid.sides])

@@ -13,7 +13,7 @@ from fefinger.fem.contact.travel import envelope
 from fefinger.fem.elements.probe import recovered_gradient_at
 from fefinger.fem.hyperelastic import load_path
 from fefinger.fem.hyperelastic.continuum import Continuum, continuum
-from fefinger.fem.hyperelastic.friction_history import FrictionHistory, SideLoad
+from fefinger.fem.hyperelastic.load_path import FrictionHistory, SideLoad
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.finger_mesh import REGIONS, FingerMesh

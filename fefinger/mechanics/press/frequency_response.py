@@ -18,11 +18,10 @@ from fefinger.fem.condensation import Operator, displaced, reduce
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.elements.probe import recovered_strain_at
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.mechanics.press import mesh_limits, modal_body, problem
 from fefinger.mechanics.press.modal_body import FingerModes, ModalBody
-from fefinger.results.harmonic import Complex, Harmonic, apart
-from fefinger.results.records import Sites
+from fefinger.results.records import Complex, Harmonic, Sites, apart
 from fefinger.scene.finger import Finger
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, numbers
@@ -233,7 +232,7 @@ def skin_line(solid: Operator) -> Integers:
     vertices = np.unique(solid.pad)
     vertices = vertices[solid.normals[vertices, 2] < 0]
     points = solid.space.points[vertices]
-    near = np.abs(points[:, 1]) < mirror.ROUNDING * np.ptp(points)
+    near = np.abs(points[:, 1]) < finger_mesh.ROUNDING * np.ptp(points)
     chosen = vertices[near]
     return np.asarray(chosen[np.argsort(solid.space.points[chosen, 0])])
 

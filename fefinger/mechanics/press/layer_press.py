@@ -14,8 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from fefinger.contact.gridded import GridContact, GridFriction, GridStepper, SoftGridContact
-from fefinger.contact.march import Prescribed, collected
-from fefinger.contact.stepper import Record
+from fefinger.contact.stepper import Prescribed, Record, collected
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press.axisymmetric import Touch
 from fefinger.mechanics.press.layer_gap import LayerGap, first_touch, pad_of, window

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from fefinger.contact.inertial import InertialContact
-from fefinger.contact.march import History, Prescribed, march
+from fefinger.contact.stepper import History, Prescribed, march
 from fefinger.fem.body import Reduced
 from fefinger.fem.condensation import Operator, displaced
 from fefinger.fem.elements.probe import recovered_strain_at

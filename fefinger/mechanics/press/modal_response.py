@@ -33,8 +33,7 @@ from fefinger.mechanics.press.response import (
 )
 from fefinger.mechanics.press.small_strain import quasistatic, solve_contact
 from fefinger.mechanics.press.tabulated_press import PreloadRelaxation, TabulatedPress
-from fefinger.results.harmonic import Harmonic
-from fefinger.results.records import Fields, Response
+from fefinger.results.records import Fields, Harmonic, Response
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError

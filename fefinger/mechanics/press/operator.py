@@ -17,8 +17,7 @@ from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.linalg.dissection import Front
 from fefinger.fem.linalg.multifrontal import Eliminated
-from fefinger.geometry.finger_mesh import FingerMesh
-from fefinger.geometry.mirror import whole
+from fefinger.geometry.finger_mesh import FingerMesh, whole
 from fefinger.mechanics.press.notes import own_relaxation_reasons
 from fefinger.mechanics.press.operator_cache import description, folder, identity, parities
 from fefinger.mechanics.press.problem import SolutionMethod, fixed_facets

@@ -9,8 +9,7 @@ from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Neighborhood, Patch, foremost, smooth_places
 from fefinger.fem.elements.assembly import numbering
 from fefinger.fem.elements.spaces import trace
-from fefinger.geometry.finger_mesh import boundary_edges, locate, triangle_areas
-from fefinger.geometry.mirror import Halves
+from fefinger.geometry.finger_mesh import Halves, boundary_edges, locate, triangle_areas
 from fefinger.results.records import Pad
 from fefinger.scene.indenter import Indenter, direction
 from fefinger.scene.indenters import STANDARD

@@ -25,7 +25,7 @@ from fefinger.fem.contact.obstacle import OwnObstacle, Rigid
 from fefinger.fem.contact.patch import Patch, patch
 from fefinger.fem.contact.travel import Travel
 from fefinger.fem.elements.probe import recovered_strain_at
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.geometry.profiles import frame
 from fefinger.mechanics.press import mesh_limits, moving_contact, operator, placement, problem
 from fefinger.mechanics.press.compliances import pressing_object
@@ -244,7 +244,7 @@ def unfolded(solid: Solid, points: Array, strain: Array) -> Array:
     """Return strain (6 n, ...) at points (n, 3), given that at their places in the half body."""
     if not solid.half:
         return strain
-    signs = np.where(points[:, 1:2] < 0, mirror.VOIGT_SIGNS, 1.0)
+    signs = np.where(points[:, 1:2] < 0, finger_mesh.VOIGT_SIGNS, 1.0)
     return np.asarray(signs.reshape(-1, 1) * strain)
 
 

@@ -12,15 +12,14 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fefinger.contact.march import History
+from fefinger.contact.stepper import History
 from fefinger.fem.body import Body, Reduced, Solid
 from fefinger.fem.condensation import OutsideError
 from fefinger.fem.contact.deformed_gap import ContactSurface
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.assembly import Elastic
-from fefinger.fem.hyperelastic.friction_history import SideLoad
-from fefinger.fem.hyperelastic.load_path import Series
+from fefinger.fem.hyperelastic.load_path import Series, SideLoad
 from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.linalg.system import System
 from fefinger.geometry.finger_mesh import BONE, SKIN, FingerMesh

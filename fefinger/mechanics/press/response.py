@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fefinger.contact.march import History
+from fefinger.contact.stepper import History
 from fefinger.fem.body import Body, Solid
 from fefinger.fem.contact.contact_area import CandidateSurface
 from fefinger.fem.contact.patch import Patch
 from fefinger.fem.elements.probe import gradient_at_vertices, strain_at_vertices
 from fefinger.fem.elements.spaces import Space
 from fefinger.fem.hyperelastic.stored_energy import StoredEnergy
-from fefinger.geometry import mirror
+from fefinger.geometry import finger_mesh
 from fefinger.geometry.finger_mesh import SKIN, SUBCUTANEOUS, FingerMesh, inside_weights
 from fefinger.mechanics.press import finite_sliding, moving_contact
 from fefinger.mechanics.press.placement import first_moments, on_neighborhood, whole_pad
@@ -334,7 +334,7 @@ def areas_of_steps(press: Press, history: FiniteStrainHistory, pad: Pad, column:
     obstacle, seen = history.contact.obstacle, history.contact.neighborhood
     edges = obstacle if press.indenter.sharp else None
     sign = np.ones((len(column), 3))
-    sign[len(seen.vertices) :] = mirror.SIGNS  # the mirror images follow
+    sign[len(seen.vertices) :] = finger_mesh.SIGNS  # the mirror images follow
     pressed = on_neighborhood(history.pressure, seen)[:, column] > 0
     areas, places = np.empty(len(history.depth)), press.places(history.steps.times)
     for step, moved in enumerate(history.moved):

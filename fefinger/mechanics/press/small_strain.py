@@ -9,8 +9,7 @@ from functools import partial
 import numpy as np
 
 from fefinger.contact.frictional import FrictionalContact
-from fefinger.contact.march import History, Prescribed, march
-from fefinger.contact.stepper import Gaps, Stepper
+from fefinger.contact.stepper import Gaps, History, Prescribed, Stepper, march
 from fefinger.fem.body import Body, Reduced, body, reduce
 from fefinger.fem.condensation import OutsideError
 from fefinger.fem.contact.patch import Patch, patch

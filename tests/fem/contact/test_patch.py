@@ -8,8 +8,8 @@ from fefinger.validation.fem import hertz
 
 from fefinger.contact.complementarity import Complementarity
 from fefinger.contact.frictionless import FrictionlessContact
-from fefinger.contact.march import Prescribed
-from fefinger.contact.march import march as march_contact
+from fefinger.contact.stepper import Prescribed
+from fefinger.contact.stepper import march as march_contact
 from fefinger.theory.relaxation import Prony
 
 

@@ -11,12 +11,12 @@ from fefinger.validation.problems.cube import glued_cube
 from scipy.sparse.linalg import splu
 
 from fefinger.contact.frictional import FrictionalContact
-from fefinger.contact.march import Prescribed, march
+from fefinger.contact.stepper import Prescribed, march
 from fefinger.fem.contact.deformed_gap import tangents
 from fefinger.fem.contact.obstacle import Obstacle
 from fefinger.fem.hyperelastic import load_path
 from fefinger.fem.hyperelastic.continuum import Continuum
-from fefinger.fem.hyperelastic.friction_history import FrictionHistory, SideLoad
+from fefinger.fem.hyperelastic.load_path import FrictionHistory, SideLoad
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
 from fefinger.geometry.profiles import Ellipsoid, Plane, Profile

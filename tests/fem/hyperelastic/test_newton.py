@@ -13,6 +13,7 @@ from scipy import sparse
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic import newton
 from fefinger.fem.hyperelastic.iterate import ASTRAY, Anderson, stagnant
+from fefinger.fem.hyperelastic.linearized import FactoredTangent
 from fefinger.fem.hyperelastic.load_path import (
     FactorizationBudget,
     LoadPath,
@@ -23,7 +24,6 @@ from fefinger.fem.hyperelastic.load_path import (
 from fefinger.fem.hyperelastic.material import Material, material_of
 from fefinger.fem.hyperelastic.newton import LEAST, STUCK, TRUST, Equilibrium
 from fefinger.fem.hyperelastic.state import State, Target
-from fefinger.fem.hyperelastic.tangent import FactoredTangent
 from fefinger.support.checks import ConvergenceError, InputError
 from fefinger.support.tolerances import EQUILIBRIUM, LEAST_FORCE, SMALL_FORCE
 from fefinger.theory.relaxation import Prony, hereditary_integral

@@ -13,7 +13,7 @@ from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Candidate
-from fefinger.results.plan_text import expected_time
+from fefinger.results.result_record import expected_time
 from fefinger.scene import builtin
 from fefinger.support.machine import REPORTED
 from fefinger.support.vocabulary import Control
@@ -25,7 +25,7 @@ def rungs(monkeypatch):
 
     def ladder(threads: int, **ask):
         monkeypatch.setattr(costs, "threads", lambda: threads)
-        monkeypatch.setattr("fefinger.results.plan_text.threads", lambda: threads)
+        monkeypatch.setattr("fefinger.results.result_record.threads", lambda: threads)
         asked = {"spikes": []} | ask
         scene = builtin.load("flat-press", {f"ask.{key}": value for key, value in asked.items()})
         return {rung.candidate.label: rung for rung in plan.rungs(scene)}
