@@ -119,7 +119,7 @@ def test_a_missing_file_is_named_before_its_options(tmp_path: Path) -> None:
 
 
 def test_too_few_heights_are_told_as_such() -> None:
-    with pytest.raises(InputError, match=r"indenter.heights: expected at least 4 by 4 .* 3 by 3"):
+    with refused("indenter.heights"):
         ff.Relief.from_array(np.zeros((3, 3)), pitch=0.1)
 
 
@@ -146,7 +146,7 @@ def test_an_archive_without_the_arrays_or_with_other_shapes_gets_a_sentence(tmp_
     np.savez(tmp_path / "b.npz", x=LINE, y=LINE, height=np.zeros((3, 25)))
     with pytest.raises(InputError, match=r"shape \(x, y\) = \(25, 25\)"):
         ff.Relief.from_file(tmp_path / "b.npz")
-    with pytest.raises(InputError, match="which does not exist"):
+    with refused("indenter.file"):
         ff.Relief.from_file(tmp_path / "none.csv")
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from fefinger.scene import ask, library
 from fefinger.scene.finger import Finger
-from fefinger.support.checks import InputError
 from fefinger.support.vocabulary import TYPES
 
 
@@ -57,7 +57,7 @@ def test_a_subject_has_size_and_relaxation_and_radius_of_the_three_tables(name):
 def test_the_subject_without_a_size_works_once_it_is_given():
     finger = Finger.subject("f.c.", width=15, thickness=11, tissue="maeno1998")
     assert (finger.width, finger.pad_radius) == (15, 15)
-    with pytest.raises(InputError, match="give width and thickness"):
+    with refused("finger.thickness"):
         Finger.subject("f.c.", width=15, tissue="maeno1998")
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.mechanics import modal
@@ -169,7 +170,7 @@ def test_a_press_with_the_other_sign_is_refused(depth: list[float], accepted: bo
     if accepted:
         assert ff.Sampled(time, tuple(depth)).peak == max(depth)
         return
-    with pytest.raises(InputError, match="depth grows into the finger: change the sign"):
+    with refused("motion.depth"):
         ff.Sampled(time, tuple(depth))
 
 

@@ -365,9 +365,9 @@ def test_a_scene_that_is_nowhere_gets_the_nearest_name(tmp_path):
     near = str(tmp_path / "my_scene.toml")
     with pytest.raises(InputError, match=r"no such file in .*Did you mean '.*my scene.toml'\?"):
         builtin.load(near)
-    with pytest.raises(InputError, match="which does not exist"):
+    with refused("scene"):
         Scene.from_toml(tmp_path / "no.toml")
-    with pytest.raises(InputError, match="which is a folder"):
+    with refused("scene"):
         Scene.from_toml(tmp_path)
 
 
@@ -466,7 +466,7 @@ def test_spikes_of_more_than_an_hour_are_refused_before_anything_is_solved():
         "finger": Finger.subject("a.h.", tissue="maeno1998"),
         "motion": RampHold(speed=1, depth=0.5, hold=4000),
     }
-    with pytest.raises(InputError, match=r"motion: expected at most 3600 s where ask.spikes"):
+    with refused("motion"):
         Scene(**parts, ask=Ask(spikes=("SAI",)))
     assert Scene(**parts).motion.duration > 4000
 

@@ -344,7 +344,7 @@ def test_a_mesh_is_drawn_cut_open_between_title_and_legend(synthetic, tmp_path, 
 
 @pytest.mark.parametrize("draw", [section, view.screenshot, viewer.write])
 def test_what_cannot_be_shown_is_refused_in_a_sentence(synthetic, without_fields, tmp_path, draw):
-    with pytest.raises(InputError, match="Did you mean 'pressure'"):
+    with refused("field"):
         draw(synthetic, tmp_path / "a.png", field="presure")
     with pytest.raises(InputError, match=r"ask\.fields=true"):
         draw(without_fields, tmp_path / "a.png")

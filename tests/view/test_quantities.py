@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from matplotlib import colormaps
+from refusals import refused
 
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.hyperelastic.material import at_point, material_of
@@ -68,7 +69,7 @@ def test_every_field_has_a_unit_a_sentence_and_values(synthetic):
 
 
 def test_an_unknown_field_gets_the_nearest_name_and_the_list(synthetic):
-    with pytest.raises(InputError, match=r"'strain xz'.*Did you mean 'compressive strain'\?"):
+    with refused("field"):
         quantities.values(synthetic, "compresive strain", 0)
 
 

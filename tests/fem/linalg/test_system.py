@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from fefinger.validation.bench import superlu
 from fefinger.validation.problems.grids import box
+from refusals import refused
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
@@ -197,7 +198,7 @@ def test_a_matrix_beyond_single_precision_is_factored_in_double(space: Space) ->
     right = np.random.default_rng(0).normal(size=len(system.free))
     left = system.reduced @ found.solve(1e200 * right) - right
     assert np.linalg.norm(left) < 1e-9 * np.linalg.norm(right)
-    with np.errstate(all="ignore"), pytest.raises(InputError, match="range of double precision"):
+    with np.errstate(all="ignore"), refused("solve"):
         solve.approximate_factor(1e200 * (1e200 * matrix), system)
     assert len(system.failed) == 1
 
