@@ -247,7 +247,7 @@ def test_what_to_relax_is_read_from_the_field_of_a_refusal_and_not_from_its_sent
 
 
 def test_when_spike_counts_cost_too_much_the_mesh_that_they_are_not_checked_on_is_offered():
-    with pytest.raises(InputError, match="no mechanics is known to answer") as caught:
+    with refused("ask") as caught:
         plan.explain(scene(rel_error=0.4, seconds=3, spikes=["SAI"]))
     assert "Or set finger.resolution to 'coarse' and linear answers in " in str(caught.value)
     own = {"finger.resolution": "coarse", "ask.rel_error": 0.4, "ask.seconds": 3}
@@ -278,7 +278,7 @@ IMPOSSIBLE = [
 
 @pytest.mark.parametrize(("changes", "reason"), IMPOSSIBLE)
 def test_what_cannot_be_run_or_was_measured_nowhere_near_is_not_chosen(changes, reason):
-    with pytest.raises(InputError, match="no mechanics is known to answer") as caught:
+    with refused("ask") as caught:
         plan.explain(published.load("flat-press", changes))
     said = [line for line in str(caught.value).splitlines() if reason in line]
     assert len(said) >= 3, caught.value
@@ -326,7 +326,7 @@ def test_a_scene_may_name_its_mechanics_and_a_call_overrides_it():
     own = scene(mechanics="hertz")
     assert plan.choose(own) == plan.choose(scene(), "hertz")
     assert plan.choose(own, "solid").mechanics == "solid"
-    with pytest.raises(InputError, match=r"ask.mechanics: .*Did you mean 'linear'\?"):
+    with refused("ask.mechanics"):
         plan.choose(scene(mechanics="liner"))
     with refused("ask.mechanics"):
         scene(mechanics=1)
@@ -340,7 +340,7 @@ def test_a_named_mechanics_does_not_run_beyond_its_ability():
 
 @pytest.mark.usefixtures("four")
 def test_an_unknown_mechanics_gets_the_nearest_name():
-    with pytest.raises(InputError, match=r"mechanics: .*Did you mean 'linear'\?"):
+    with refused("mechanics"):
         plan.choose(scene(), "liner")
 
 

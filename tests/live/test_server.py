@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, suppress
 
 import pytest
+from refusals import refused
 
 
 aiohttp = pytest.importorskip("aiohttp")  # before what imports it: the extra may be missing
@@ -232,7 +233,7 @@ def test_a_choice_that_cannot_be_prepared_leaves_the_finger(
 def test_a_port_that_is_taken_is_named() -> None:
     async def work(server: Server, client: aiohttp.ClientSession) -> None:
         port = int(server.address.split(":")[2].split("/")[0])
-        with pytest.raises(InputError, match="--port"):
+        with refused("--port"):
             Server(resolution="coarse", output=None, setup=Setup(), port=port)
 
     run(work)

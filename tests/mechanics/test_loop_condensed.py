@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numba.core.runtime import _nrt_python, rtsys
+from refusals import refused
 
 import fefinger as ff
 from fefinger.fem.contact.obstacle import Obstacle
@@ -281,7 +282,7 @@ def test_the_reading_of_the_thesis_is_the_integral_of_g_over_t_times_the_elastic
     assert scaled.now.strain == pytest.approx(elastic.now.strain, rel=1e-9, abs=1e-12)
     with pytest.raises(InputError, match="expected depth control"):
         scaled.step(1e-3, force=0.1)
-    with pytest.raises(InputError, match="expected t above 0"):
+    with refused("stiffening"):
         scaled.step(1e-3, depth=0.0)
 
 

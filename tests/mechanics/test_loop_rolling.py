@@ -103,7 +103,7 @@ def test_angles_and_depths_that_were_not_given_get_a_sentence(rolling: ff.Loop) 
         rolling.step(1e-3, depth=0.5, angle=50.0)
     with refused("depth"):
         rolling.step(1e-3, depth=np.nan, angle=20.0)
-    with pytest.raises(InputError, match="contact at their rim"):
+    with refused("step"):
         rolling.step(1e-3, depth=3.0, angle=20.0)
 
 

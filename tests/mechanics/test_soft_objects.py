@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.mechanics import condensed, get, layered, linear, modal, solid
@@ -69,7 +70,7 @@ def test_a_mechanics_of_elastic_objects_refuses_one_that_relaxes(name: str) -> N
     (refusal,) = get(name).refuse(Situation.of(scene(plate)))
     assert (refusal.about, refusal.field) == ("ability", "indenter.prony")
     if name == "modal":
-        with pytest.raises(InputError, match=r"indenter\.prony: set, .*use mechanics='condensed'"):
+        with refused("indenter.prony"):
             ff.Loop(FINGER, plate, mechanics=name)
     error, source = condensed.error(Situation.of(scene(plate)))
     assert np.isnan(error)
@@ -100,7 +101,7 @@ def test_the_limit_of_depth_under_a_force_is_that_of_the_skin() -> None:
     answer = condensed.respond(scene(ball, ff.RampHold(loading_rate=5, force=0.25, hold=0.0)))
     assert answer.depth.max() > FINGER.pulp
     assert answer.force[-1] == pytest.approx(0.25, rel=1e-6)
-    with pytest.raises(InputError, match=r"motion\.force: expected one that presses less deep"):
+    with refused("motion.force"):
         condensed.respond(scene(ball, ff.RampHold(loading_rate=50, force=9.0, hold=0.0)))
 
 
@@ -192,10 +193,10 @@ def test_a_mechanics_of_rigid_objects_refuses(name: str) -> None:
 def test_soft_plates_do_not_turn_nor_sweep() -> None:
     plate = ff.Flat(30, modulus=50)
     slide = ff.Slide(10, depth=0.5, distance=2)
-    refused = [each.refuse(Situation.of(scene(plate, slide))) for each in (linear, modal)]
-    assert [each.field for each in refused[1]] == ["motion.kind"]
-    assert not refused[0]
-    with pytest.raises(InputError, match=r"indenter\.modulus: expected a rigid object"):
+    refusals = [each.refuse(Situation.of(scene(plate, slide))) for each in (linear, modal)]
+    assert [each.field for each in refusals[1]] == ["motion.kind"]
+    assert not refusals[0]
+    with refused("indenter.modulus"):
         ff.Vibrations(FINGER, plate, deepest=0.8)
     for options in ({"mechanics": "pressed"}, {"mechanics": "condensed", "angles": (20, 40)}):
         with pytest.raises(InputError, match=r"indenter\.modulus = 50 kPa"):

@@ -407,7 +407,7 @@ def test_other_names_of_types_get_the_name_that_is_meant(name, meant, press, tmp
 def test_a_series_of_days_is_refused_and_a_tolerance_taken(tmp_path):
     head = ("time", "displacement_mm")
     path = write(tmp_path / "long.csv", head, [0, 1e5, 2e5], [0, 1, 1])
-    with pytest.raises(InputError, match="at most 3600 s in one run"):
+    with refused("time"):
         fire(read(path), corners=True)
     path = write(tmp_path / "short.csv", head, [0, 0.1, 0.2], [0, 0.5, 0.5])
     trains = fire(read(path), ("SAI",), corners=True, tolerance=0.05)

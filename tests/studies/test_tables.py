@@ -112,11 +112,11 @@ def test_other_endings_and_folders_and_parquet_without_its_extra_are_refused_bef
 ):
     dossier = tmp_path_factory.mktemp("dossier") / "a.nc"
     dossier.mkdir()
-    with pytest.raises(InputError, match=r"ends in one of \.csv, \.parquet, \.nc, received 'a.xls"):
+    with refused("table"):
         grid.write(tmp_path / "a.xlsx")
     with pytest.raises(InputError, match="a file in a folder that exists"):
         grid.write(tmp_path / "none" / "a.csv")
-    with pytest.raises(InputError, match="a file that can be written, received a folder"):
+    with refused("--table"):
         tables.check(dossier, "--table")
     with pytest.raises(InputError, match=r"cannot write '/proc/a\.nc'"):
         grid.write("/proc/a.nc")

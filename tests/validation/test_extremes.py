@@ -17,6 +17,7 @@ from fefinger.validation.extremes.trial import THEORY, TookTooLongError, Trial, 
 from fefinger.validation.oracles.sphere import Sphere
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refusals import refused
 
 import fefinger as ff
 from fefinger.mechanics import condensed, hertz, layered, linear, lumped, solid
@@ -134,7 +135,7 @@ def test_slow_motions_take_longer_steps_and_endless_ones_are_refused(fast):
     endless = ff.Sinusoid(0.3, 200, 100_000)
     (reason,) = too_long(endless, fast=False)
     assert "at most 250000 time steps, which fit into memory, received one of 4000000" in reason
-    with pytest.raises(InputError, match="take fewer cycles or a shorter motion"):
+    with refused("motion"):
         time_grid(endless, fast=fast)
     scene = ff.Scene(
         finger=ff.Finger.subject("a.h.", tissue="maeno1998"), motion=endless, ask=FORCE_ONLY
@@ -175,7 +176,7 @@ def test_a_contact_wider_than_its_radius_is_refused_whatever_is_asked():
 
 @pytest.mark.parametrize("each", [hertz, lumped])
 def test_a_force_that_presses_through_the_tissue_is_refused(each):
-    with pytest.raises(InputError, match=r"motion.force: expected one that presses less deep"):
+    with refused("motion.force"):
         each.respond(scene(motion=ff.RampHold(loading_rate=1e8, force=1e7, hold=100, corner=0)))
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import fefinger as ff
 from fefinger.contact.gridded import GridContact
@@ -150,9 +151,8 @@ def test_what_a_grid_cannot_answer_is_refused_in_a_sentence():
 
 
 def test_contact_at_the_border_of_the_grid_is_an_error():
-    with pytest.raises(InputError) as caught:
+    with refused("motion"):
         on(LayerGrid(STACK, 32, 0.1), scene(motion=ff.Ramp(20, 0.8)))
-    assert caught.value.field == "motion"
 
 
 def test_the_planner_lists_it_for_textures_and_refuses_ridges_elsewhere():
@@ -207,9 +207,8 @@ def test_ridges_are_a_table_of_a_scene():
     again = ff.Scene.from_toml(text)
     assert again.finger.ridges == ff.Ridges(height=0.2, shape="concentric")
     assert "ridges" not in scene().to_dict()["finger"]
-    with pytest.raises(InputError) as caught:
+    with refused("finger.ridges.pitch"):
         ff.Scene.from_toml(text.replace("pitch = 0.45", "pitch = -1"))
-    assert caught.value.field == "finger.ridges.pitch"
 
 
 def test_concentric_ridges_are_the_same_in_all_directions():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from fefinger.validation.problems import published
 from fefinger.validation.problems.grids import box
+from refusals import refused
 
 from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.spaces import Space
@@ -170,7 +171,7 @@ def test_a_solved_scene_records_its_memory_by_stage() -> None:
 def test_a_stored_scene_may_name_a_solver_that_is_gone() -> None:
     text = scene().to_toml().replace("[ask]", '[ask]\nsolver = "iterative"')
     assert Scene.from_stored(text) == scene()
-    with pytest.raises(InputError, match="there is one linear solver"):
+    with refused("solver"):
         Scene.from_toml(text)
 
 
