@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from fefinger.validation.oracles.fingerpad import Fingerpad, series_modulus
+from fefinger.validation.thesis.array import Reading, scan, triangles
 from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.claims import two_pole
-from fefinger.validation.thesis.readings import Reading, scan, triangles
 
 from fefinger.calibration.array_sensor import (
     ArraySensor,

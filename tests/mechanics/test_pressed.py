@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damage import flip
-from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS
-from fefinger.validation.pressed.scenes import LIGHT
+from fefinger.validation.pressed.measure import LIGHT, TABULATION, TABULATION_SETS
 
 from fefinger.geometry.finger_mesh import whole
 from fefinger.mechanics import pressed, solid

@@ -9,13 +9,14 @@ from oracles.solids import assert_closed
 from refusals import refused
 
 from fefinger.geometry.finger_mesh import FACETS, FingerMesh, volumes
-from fefinger.mesh import smooth
-from fefinger.mesh.build import SETTINGS, MesherSettings, build, promising, sizes, tetrahedra
+from fefinger.mesh import smooth, tetrahedralize
+from fefinger.mesh.build import SETTINGS, build, promising, sizes
 from fefinger.mesh.finger_shape import touch_point, touch_within
 from fefinger.mesh.mesh_record import dihedral_angles, gate, measure, scan_notes
 from fefinger.mesh.morph import Draft
 from fefinger.mesh.parametric import parametric
 from fefinger.mesh.recipe import Recipe
+from fefinger.mesh.tetrahedralize import MesherSettings, tetrahedra
 from fefinger.support.checks import ConvergenceError
 
 
@@ -62,7 +63,7 @@ def test_a_mesher_that_fails_is_an_error_and_not_the_end(
 def test_a_mesher_without_an_end_is_ended_and_not_called_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("fefinger.mesh.build.LIMIT", 0.0)
+    monkeypatch.setattr(tetrahedralize, "LIMIT", 0.0)
     with pytest.raises(ConvergenceError, match="not done after 0 s in 1 attempt; use another"):
         build(Recipe(13, 10, 13, resolution="coarse"), settings=ROUGH)
 

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fefinger.validation.thesis import readings
+from fefinger.validation.thesis import array
 
 import fefinger as ff
 from fefinger import mechanics
@@ -54,7 +54,7 @@ def test_each_says_what_it_is_plans_and_runs_without_a_mesh(protocol):
 def test_p5_and_p6_are_read_by_the_array_of_the_thesis():
     sensor = ArraySensor()
     for protocol, seconds in (("p5", 10.0), ("p6", 1.325)):
-        reading = readings.read(answer(protocol), sensor)
+        reading = array.read(answer(protocol), sensor)
         assert reading.pressure.shape[1] == 64
         assert len(reading.time) == pytest.approx(200 * seconds, abs=2)
         skew = np.ptp(reading.time, axis=1)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from fefinger.validation.oracles import fingerpad, layer, synthetic
-from fefinger.validation.thesis import readings
+from fefinger.validation.thesis import array
 from fefinger.validation.thesis.ball import fit_ball
 from fefinger.validation.thesis.claims import two_pole
 
@@ -95,7 +95,7 @@ CALLS = [
     lambda: ARRAY.weights([[0.0, NAN]], [1.0]),
     lambda: ARRAY.weights([[0.0, 0.0]], [-1.0]),
     lambda: ARRAY.weights(np.zeros((0, 2)), []),
-    lambda: readings.scan(ARRAY, [0, 1.0], [[NAN] * 64, [1.0] * 64]),
+    lambda: array.scan(ARRAY, [0, 1.0], [[NAN] * 64, [1.0] * 64]),
     lambda: sensor.blurred(HERTZ.pressure, NAN, [0.0]),
     lambda: sensor.blurred(HERTZ.pressure, 1.0, [0.0], 0.0),
     lambda: two_pole([0, 0.0], [1.0, 2.0]),

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation import page, suites
-from fefinger.validation.extremes import drawings, suite
 from fefinger.validation.extremes import drawn as extremes_drawn
+from fefinger.validation.extremes import suite
 from fefinger.validation.extremes.bodies import _bar, _complementarity, _stacked
 from fefinger.validation.extremes.invariants import invariants
 from fefinger.validation.extremes.nerve import MEMBRANES, _checked
@@ -349,7 +349,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         {"name": name, "note": said, "value": value, "verdict": verdict}
         for name, (said, value, verdict) in told.items()
     ]
-    found = drawings.finding(cases)
+    found = suite.finding_of(cases)
     assert found["texts"] == [
         "Of 3 trials at extreme values 1 are answered and satisfy all invariants, 1 are refused "
         "with a message, 1 failed."
@@ -359,7 +359,7 @@ def test_the_page_says_how_the_trials_ended_from_their_record_alone():
         ["linear", "1", "1", "0", "50 % (balance; depth)"],
         ["nerve", "0", "0", "1", ""],
     ]
-    ((caption, drawn),) = drawings.figures(cases)
+    ((caption, drawn),) = suite.figures_of(cases)
     assert caption.startswith(found["texts"][0])
     assert len(drawn.axes) == 1
 

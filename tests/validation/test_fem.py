@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fefinger.validation.fem import drawings, element_kinds, hertz, history
+from fefinger.validation.fem.drawings import PEERS
 from fefinger.validation.oracles.punch import Cone, FlatPunch
 from fefinger.validation.problems.grids import box
-from fefinger.validation.problems.peers import PEERS
 from fefinger.validation.problems.quarter import Indenter, half_space_field, turned
 
 from fefinger.fem.elements.assembly import Elastic, stiffness

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fefinger.validation.finger import causes
 from fefinger.validation.finger import split as finger_split
-from fefinger.validation.friction import bonded, dots, layers, sheared, waves
+from fefinger.validation.friction import blocks, dots, layers, sheared, waves
 from fefinger.validation.problems import chain
 
 from fefinger.contact.stepper import Target
@@ -82,13 +82,13 @@ def test_stick_and_force_converge_with_the_squares():
 
 
 def test_the_checks_see_a_wrong_flexibility_and_a_wrong_coefficient():
-    matrix, rest = bonded.offset(0.7 * sheared.limit())
-    x = bonded.solved(matrix, rest, 0.5)
+    matrix, rest = blocks.offset(0.7 * sheared.limit())
+    x = blocks.solved(matrix, rest, 0.5)
     n = len(rest) // 3
     wrong = matrix.copy()
     wrong[n:, n:] *= 1.02
-    assert np.abs(bonded.solved(wrong, rest, 0.5) - x).max() > 1e-3 * x.max()
-    assert np.abs(bonded.solved(matrix, rest, 0.51) - x).max() > 1e-3 * x.max()
+    assert np.abs(blocks.solved(wrong, rest, 0.5) - x).max() > 1e-3 * x.max()
+    assert np.abs(blocks.solved(matrix, rest, 0.51) - x).max() > 1e-3 * x.max()
 
 
 def test_drag_vanishes_with_the_memory_and_peaks_between_its_rates():

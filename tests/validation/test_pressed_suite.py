@@ -2,8 +2,14 @@
 
 import numpy as np
 from fefinger.validation.pressed import suite
-from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS, errors
-from fefinger.validation.pressed.scenes import COUNTS, STANDARD, drawn
+from fefinger.validation.pressed.measure import (
+    COUNTS,
+    STANDARD,
+    TABULATION,
+    TABULATION_SETS,
+    drawn,
+    errors,
+)
 
 import fefinger as ff
 from fefinger.mechanics import pressed

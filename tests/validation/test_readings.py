@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fefinger.validation.thesis import readings
+from fefinger.validation.thesis import array
 from refusals import refused
 
 import fefinger as ff
@@ -25,7 +25,7 @@ def result():
 
 def test_the_readings_are_the_blurred_pressure_of_hertz(result):
     sensor = ArraySensor()
-    last = readings.read(result).pressure[-1]
+    last = array.read(result).pressure[-1]
     peak = 1.5e3 * result.force[-1] / (np.pi * 14.0)
 
     def hertz(r):
@@ -38,8 +38,8 @@ def test_the_readings_are_the_blurred_pressure_of_hertz(result):
 
 def test_an_angled_plate_sees_the_same_circle(result):
     steep = replace(SCENE, indenter=ff.Flat(angle=40, tilt=5))
-    reading = readings.read(ff.run(steep, mechanics="hertz"))
-    assert reading.pressure[-1] == pytest.approx(readings.read(result).pressure[-1], abs=1e-2)
+    reading = array.read(ff.run(steep, mechanics="hertz"))
+    assert reading.pressure[-1] == pytest.approx(array.read(result).pressure[-1], abs=1e-2)
 
 
 def test_distal_is_x_and_the_noise_is_seeded(result):
@@ -47,15 +47,15 @@ def test_distal_is_x_and_the_noise_is_seeded(result):
     offset = result.pad.points - result.pad.points[0]
     across = np.abs(offset[:, 1]) < 1e-9
     assert np.corrcoef(points[across, 0], offset[across, 0])[0, 1] > 0.99
-    one, two = (readings.read(result, seed=s).pressure for s in (1, 1))
+    one, two = (array.read(result, seed=s).pressure for s in (1, 1))
     assert (one == two).all()  # exact: one seed, twice
-    assert np.std(one - readings.read(result).pressure) == pytest.approx(0.5, rel=0.03)
+    assert np.std(one - array.read(result).pressure) == pytest.approx(0.5, rel=0.03)
 
 
 def test_what_cannot_be_read_gets_a_sentence(result):
     with refused("ask.pressure"):
-        readings.read(ff.run(replace(SCENE, ask=replace(ASK, pressure=False)), mechanics="hertz"))
+        array.read(ff.run(replace(SCENE, ask=replace(ASK, pressure=False)), mechanics="hertz"))
     with pytest.raises(InputError, match="expected a plate"):
-        readings.read(ff.run(replace(SCENE, indenter=ff.Sphere(5.0)), mechanics="hertz"))
+        array.read(ff.run(replace(SCENE, indenter=ff.Sphere(5.0)), mechanics="hertz"))
     with pytest.raises(InputError, match="sensor: areas"):
-        readings.read(result, ArraySensor(sigma=0.002))
+        array.read(result, ArraySensor(sigma=0.002))

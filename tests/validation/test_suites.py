@@ -9,7 +9,7 @@ import pytest
 from fefinger.validation import suites
 from fefinger.validation.afferents.suite import MISSES as OF_AFFERENTS
 from fefinger.validation.case import Case, Expected, Outcome
-from fefinger.validation.human.misses import MISSES as OF_HUMANS
+from fefinger.validation.human.suite import MISSES as OF_HUMANS
 
 from fefinger.__main__ import main
 from fefinger.support.checks import InputError

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.afferents import data, experiments
-from fefinger.validation.afferents.holds import FALLS, falls
+from fefinger.validation.afferents.measures import FALLS, falls
 from fefinger.validation.afferents.vibration import SEED, Probed, determination, fit_of_rates
 from scipy.optimize import minimize
 

@@ -15,7 +15,6 @@ from fefinger.validation.afferents import (
     data,
     drawings,
     experiments,
-    holds,
     measures,
     predicted,
     vibration,
@@ -141,7 +140,7 @@ def under_spheres() -> np.ndarray:
 @cache
 def falls(drift: float) -> np.ndarray:
     """Falls of the rate of the SAI unit in 12 s of holds that drift by a part of their depth."""
-    return holds.falls(fitted()["SAI"], drift)
+    return measures.falls(fitted()["SAI"], drift)
 
 
 def _fall(drift: float, number: int) -> float:
@@ -219,7 +218,7 @@ def _fitted() -> Iterator[Case]:
         yield _case(name, partial(at_rest, kind), -0.1, 0.1, "Hz", SILENT)
     name = "fitted: RMS error of SAI by curvature and force"
     yield _case(name, spheres_error, -0.15, 0.15, "1", GOODWIN)
-    for i, depth in enumerate(holds.DEPTHS):
+    for i, depth in enumerate(measures.DEPTHS):
         name = f"fitted: fall of the SAI rate in 12 s of a hold at {depth:g} mm"
         yield _case(name, partial(_fall, 0.0, i), 0.33, 0.41, "1", HOLD)
 
@@ -245,8 +244,8 @@ def _of_holds() -> Iterator[Case]:
         name = f"predicted: SAI in a hold of the pin at {depth:g} mm, {width:g} mm wide"
         reason = f"four models under a pin with a radius of {width / 2:g} mm"
         yield _case(name, partial(_pin_hold, width, i), low, high, "Hz", TOUCHSIM, reason)
-    for (i, depth), drift in product(enumerate(holds.DEPTHS), (-0.15, 0.15)):
-        recorded, way = holds.FALLS[drift][i], "shallower" if drift < 0 else "deeper"
+    for (i, depth), drift in product(enumerate(measures.DEPTHS), (-0.15, 0.15)):
+        recorded, way = measures.FALLS[drift][i], "shallower" if drift < 0 else "deeper"
         name = f"predicted: fall of the SAI rate at {depth:g} mm as the hold grows {way} by 15 %"
         measure = partial(_fall, drift, i)
         yield _case(name, measure, recorded - 0.1, recorded + 0.1, "1", DRIFTS, "within 0.1")

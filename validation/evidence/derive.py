@@ -52,8 +52,8 @@ LIKE = 0.35
 
 RAISED = {"coarse": 0.30, "standard": 0.13, "fine": 0.08}
 """Error of the mean force on raised dots 0.7 mm wide that are scanned, by the mesh: against that
-extrapolated from all three; letters and Braille have wider parts and err less (validation/friction,
-`mesh.py`)."""
+extrapolated from all three; letters and Braille have wider parts and err less
+(validation/friction)."""
 
 RAISED_ON_GRID = 0.001
 """The same error on a grid: 1.5 times as many points change the force on dots by 0.03 % at most."""

@@ -8,8 +8,7 @@ import numpy as np
 from fefinger.validation.case import Case, Expected, Noted
 from fefinger.validation.evidence.derive import QUANTILE, tabulated_at
 from fefinger.validation.pressed import drawings
-from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS, compared
-from fefinger.validation.pressed.scenes import drawn
+from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS, compared, drawn
 
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.evidence.stated_errors import LEAST

@@ -3,7 +3,11 @@
 S(t) = integral of G(t - s) dS_e(s) (Fung's quasi-linear viscoelasticity), by the exponential
 recursion of `viscoelastic.Relaxation` at every integration point: exact for stresses that are
 linear over a step. A step that does not converge is quartered, within a `FactorizationBudget`.
-The history of Coulomb friction, with slip and lost work, is carried from step to step.
+
+The history of Coulomb friction, with slip and lost work, is carried from step to step. As
+`contact.frictional` at small strain: where the kinetic coefficient is less than the static one, a
+vertex has the kinetic one from the step after its first slip to the step in which it sticks again,
+or leaves contact.
 """
 
 import math

@@ -162,7 +162,7 @@ class DepthTable:
         depth d, as in the theory of a linear body. s is the mean exponent of the energies. Of
         fourteen such means it has, on retreat, the smallest error of force or depth (2.4 % in root
         mean square) and of strain (8.3 %, as two others) in the scenes "rules" of
-        `fefinger.validation.pressed.scenes` and 20 trapezoids of force; the scenes "held-out" had
+        `fefinger.validation.pressed.measure` and 20 trapezoids of force; the scenes "held-out" had
         no part in the choice.
         """
         exponent = np.maximum.accumulate(np.maximum(self.bounded(self.stiffening), 0.0))
