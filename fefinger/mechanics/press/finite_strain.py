@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fefinger.fem.body import Body, Solid
+from fefinger.fem.body import Solid
 from fefinger.fem.contact.deformed_gap import ContactSurface, contact_surface
 from fefinger.fem.contact.travel import envelope
 from fefinger.fem.elements.probe import recovered_gradient_at
@@ -16,7 +16,7 @@ from fefinger.fem.hyperelastic.continuum import Continuum, continuum
 from fefinger.fem.hyperelastic.load_path import FrictionHistory, SideLoad
 from fefinger.fem.hyperelastic.newton import Equilibrium
 from fefinger.fem.hyperelastic.state import State
-from fefinger.geometry.finger_mesh import REGIONS, FingerMesh
+from fefinger.geometry.finger_mesh import REGIONS
 from fefinger.mechanics.press import mesh_limits, placement, problem
 from fefinger.mechanics.press.compliances import object_surface
 from fefinger.mechanics.press.load_steps import (
@@ -39,7 +39,6 @@ from fefinger.mechanics.press.response import finite_strain_response
 from fefinger.mechanics.press.small_strain import WHOLE_MESH, assembled
 from fefinger.neural.drives import Reference
 from fefinger.results.records import Response
-from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.support.checks import ConvergenceError, InputError, Stopped
@@ -89,13 +88,9 @@ def failure_message(error: Exception, elements: Continuum, values: Array | None)
     )
 
 
-def _with_first_factor(finger: Finger, mesh: FingerMesh, report: Callable[[float], None]) -> Body:
-    body = assembled(finger, mesh, factored=False)
-    _ = body.system.approximate_factor  # that all steps start from
-    return body
-
-
-FINITE_STRAIN = replace(WHOLE_MESH, body=_with_first_factor)
+FINITE_STRAIN = replace(
+    WHOLE_MESH, body=lambda finger, mesh, report: assembled(finger, mesh, factored=False)
+)
 """How `solid` builds the body; its steps make factors of their own tangents."""
 
 

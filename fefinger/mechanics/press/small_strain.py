@@ -3,7 +3,9 @@
 Shared by `linear` and `condensed`, which differ in the `SolutionMethod` alone.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from copy import copy
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -32,6 +34,7 @@ from fefinger.mechanics.press.response import small_strain_response
 from fefinger.results.records import Response
 from fefinger.scene.finger import Finger
 from fefinger.scene.scene import Scene
+from fefinger.support import cache
 from fefinger.support.arrays import Array, Flags
 from fefinger.support.checks import InputError
 from fefinger.support.progress import Progress, Stages
@@ -41,10 +44,36 @@ Advance = Callable[[Press, Reduced, Prescribed, Callable[[float], None]], Histor
 """Contact of a body on its candidates through time, with a report of progress."""
 
 
+KEPT = 60_000
+"""Most unknowns of a body that is kept for the next press of its finger, as on the standard mesh,
+where one takes some 150 MB."""
+
+_kept: dict[Hashable, Body] = {}
+
+
 def assembled(finger: Finger, mesh: FingerMesh, *, factored: bool) -> Body:
-    """Return the soft tissue, and elastic hard parts, of a finger."""
-    whole = with_nail(finger, mesh)
-    return body(whole, tissues(finger), fixed_facets(finger), factored=factored)
+    """Return the soft tissue, and elastic hard parts, of a finger.
+
+    Its system has the factor of small strain or, if not `factored`, the approximate one. The last
+    two bodies are kept, as is what is in the user's cache, so that presses of one finger in turn
+    assemble and factor it once.
+    """
+    held, soft, whole = fixed_facets(finger), tissues(finger), with_nail(finger, mesh)
+    facets = tuple((name, whole.facets[name].tobytes()) for name in sorted(whole.facets))
+    shape = whole.name, whole.fingerprint, whole.pad_normals.tobytes(), whole.half, facets
+    key = (*shape, held, tuple(soft.items()), factored, cache.root())
+    found = _kept.pop(key, None)
+    if found is None:
+        while len(_kept) > 1:  # a coarser mesh may be asked in between; before the next is built
+            _kept.pop(next(iter(_kept)), None)
+        found = body(whole, soft, held, factored=factored)
+        if not factored:
+            _ = found.system.approximate_factor
+    if found.space.n_unknowns <= KEPT:
+        _kept[key] = found
+    system = copy(found.system)  # which shares the factors
+    system.failed = list(system.failed)
+    return replace(found, system=system)
 
 
 WHOLE_MESH = SolutionMethod(

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ import pytest
 import fefinger as ff
 from fefinger.fem.contact.patch import smooth_places
 from fefinger.fem.elements.spaces import trace
+from fefinger.fem.linalg.system import System
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.mesh_limits import FORCE_DEPTH
 from fefinger.mechanics.press.operator import METHOD
-from fefinger.mechanics.press.problem import Press
+from fefinger.mechanics.press.problem import Press, SolutionMethod
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.support.progress import Stages
 
@@ -92,3 +94,27 @@ def test_a_reduced_body_has_no_system() -> None:
     assert len(press().system.free)
     with pytest.raises(TypeError, match="expected a Body with a system, received Operator"):
         _ = press(METHOD).system
+
+
+@pytest.mark.parametrize(
+    ("method", "factor"), [(WHOLE_MESH, "solver"), (FINITE_STRAIN, "approximate_factor")]
+)
+def test_the_body_of_a_finger_is_kept_for_its_next_press(
+    method: SolutionMethod, factor: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of another tissue, or with another cache, there is another; failures are of one press."""
+    mesh = press(method).mesh
+
+    def system(finger: ff.Finger = FINGER) -> System:
+        return method.body(finger, mesh, lambda fraction: None).system
+
+    first = system()
+    first.failed.append("in single precision")
+    next_one = system()
+    assert getattr(next_one, factor) is getattr(first, factor)
+    assert next_one.failed == []
+    other = system(ff.Finger.subject("a.h.", resolution="coarse", tissue="dandekar2003"))
+    assert getattr(other, factor) is not getattr(first, factor)
+    assert abs(other.matrix - first.matrix).max() > 0.0
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert getattr(system(), factor) is not getattr(first, factor)
