@@ -150,6 +150,7 @@ def pictures(film):
             row.set_data(past, np.full(len(past), number))
         line.set_data(times[: k + 1], grips[: k + 1])
         fig.canvas.draw()
+        fig.set_layout_engine("none")  # that of the first picture stays
         yield np.array(fig.canvas.buffer_rgba())[..., :3]
     plt.close(fig)
 

@@ -14,14 +14,15 @@ import numpy as np
 import fefinger as ff
 
 
-yarn, pitch, speed = 1.0, 0.4, 80.0
-changes = {"motion.distance": 10.0, "ask.pressure": False, "ask.spikes": ["FAII"]}
+yarn, pitch, speed, distance = 1.0, 0.4, 80.0, 8.0
+changes = {"motion.force": 0.2, "motion.distance": distance, "motion.settle": 0.1}
+changes |= {"ask.pressure": False, "ask.spikes": ["FAII"]}
 
 
 def spectra(ridges):
     """Frequencies in Hz, amplitudes of the strain across the skin and of the rate; mean units."""
     result = ff.run("slide-fabric", changes=changes | ridges, mechanics="layered")
-    time = np.arange(result.time[-1] - 10.0 / speed, result.time[-1], 1e-3)
+    time = np.arange(result.time[-1] - distance / speed, result.time[-1], 1e-3)
     depth = np.array([np.interp(time, result.time, each) for each in result.strain[..., 2, 2].T])
     window = np.hanning(len(time)) / len(time) * 4
     strain = np.abs(np.fft.rfft((depth - depth.mean(axis=1, keepdims=True)) * window)).mean(axis=0)
