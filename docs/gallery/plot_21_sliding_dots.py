@@ -14,7 +14,8 @@ changes = {
     "finger.resolution": "coarse",
     "ask.rel_error": 0.9,
     "ask.population.radius": 2,
-    "motion.distance": 18,
+    "motion.distance": 12,
+    "motion.settle": 0.1,
 }
 result = ff.run("slide-dots", changes=changes)
 print(result.spikes.summary())

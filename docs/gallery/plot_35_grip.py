@@ -14,7 +14,8 @@ import numpy as np
 import fefinger as ff
 
 
-result = ff.run("grip-and-slip", changes={"ask.spikes": [], "ask.strain": False})
+changes = {"motion.distance": 3.0, "ask.spikes": [], "ask.strain": False}
+result = ff.run("grip-and-slip", changes=changes)
 lateral, pulling = result.lateral, result.time > result.scene.motion.recorded_from
 area, force = result.contact_area[pulling], result.force[pulling]
 pull = -lateral.force[pulling, 0] / (0.8 * force)
