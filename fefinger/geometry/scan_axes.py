@@ -8,10 +8,11 @@ the scan was cut, nor on how it was held.
 
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fefinger.geometry.scan_symmetry import OUTLIER, REACH, leveled, mirrored, symmetric
 from fefinger.support.arrays import Array, Flags
 
 
@@ -35,20 +36,10 @@ CLOSE, FINE = 1e-3, 1e-8
 """Relative change of a misfit at which a fit ends that is compared with others, to a tenth, and at
 which the last one does."""
 
-REACH = 1.6
-"""Distance from the tip, over the width, up to which a surface is compared with a fingertip."""
 
 WHOLE = 0.85
 """Share of the length of a surface that is compared: the rest may be cut askew or rounded."""
 
-OUTLIER = 0.15
-"""Distance from the fitted fingertip, over its width, from which a point is none of it."""
-
-BACK = (0.5, 1.35)
-"""Range of the distance from the tip, over the width, in which the back is to be level."""
-
-UP, MIDDLE = 0.7, 0.2
-"""Least z of a normal of the back, and largest |y| of it over the width."""
 
 FLATTER, SPREAD, TIPS, WEIGHT = 0.8, 0.15, 0.7, 0.1
 """Usual thickness over width, standard deviation of its logarithm and of that of the length of the
@@ -124,8 +115,8 @@ def fingertip_axes(mesh: "Trimesh") -> Axes:
     normals = _outward(chosen, scaled, normals)
     rounds = 6  # repetitions of symmetry and level: each turn changes a little what is looked at
     for _ in range(rounds):
-        axes, origin = _symmetric(scaled, normals, axes, origin, chosen.width)
-        axes = _level(scaled, normals, axes, origin, chosen.width)
+        axes, origin = symmetric(scaled, normals, axes, origin, chosen.width)
+        axes = leveled(scaled, normals, axes, origin, chosen.width)
     place = np.eye(4)
     place[:3, :3] = axes
     place[:3, 3] = -axes @ (center + size * origin)
@@ -359,64 +350,6 @@ def _asymmetry(points: Array, normals: Array, fit: Fit) -> float:
     points, normals = points[some], _outward(fit, points[some], normals[some])
     axes, origin = fit.axes, fit.origin
     for _ in range(2):
-        axes, origin = _symmetric(points, normals, axes, origin, fit.width)
-    off = _mirrored(points, normals, axes, origin, fit.width)[2] / (OUTLIER * fit.width)
+        axes, origin = symmetric(points, normals, axes, origin, fit.width)
+    off = mirrored(points, normals, axes, origin, fit.width)[2] / (OUTLIER * fit.width)
     return float(np.mean(np.sqrt(1.0 + off**2) - 1.0)) if len(off) else 1.0
-
-
-def _symmetric(
-    points: Array, normals: Array, axes: Array, origin: Array, width: float
-) -> tuple[Array, Array]:
-    """Turn axes (3, 3) and move the origin so that y = 0 is the surface's plane of symmetry."""
-    image, normal, off = _mirrored(points, normals, axes, origin, width)
-    # The image turned by twice the yaw and roll of the plane, and moved by twice its distance.
-    turns = np.cross(image, normal)
-    matrix = np.column_stack([turns[:, 0], turns[:, 2], normal[:, 1]])
-    weight = 1.0 / np.maximum(np.abs(off), 0.02 * width)
-    twice = np.linalg.lstsq(matrix * weight[:, None], off * weight, rcond=None)[0]
-    roll, yaw, aside = twice / 2.0
-    return _turned(axes, [roll, 0.0, yaw]), origin + axes.T @ [0.0, aside, 0.0]
-
-
-def _mirrored(
-    points: Array, normals: Array, axes: Array, origin: Array, width: float
-) -> tuple[Array, Array, Array]:
-    """Mirror images (n, 3) of points in y = 0 that are near the surface, and its normals there.
-
-    Also return the distances (n,) of the surface from them, along the normals.
-    """
-    from scipy.spatial import cKDTree
-
-    seen = (points - origin) @ axes[0] > -REACH * width
-    here, facing = (points[seen] - origin) @ axes.T, normals[seen] @ axes.T
-    skin = facing[:, 0] > -0.7
-    here, facing = here[skin], facing[skin]
-    image = here * [1.0, -1.0, 1.0]
-    distance, near = cKDTree(here).query(image)
-    fits = (distance < OUTLIER * width) & (facing[near] @ [1, 0, 0] > -0.7)
-    image, near = image[fits], near[fits]
-    return image, facing[near], np.einsum("ij,ij->i", here[near] - image, facing[near])
-
-
-def _level(points: Array, normals: Array, axes: Array, origin: Array, width: float) -> Array:
-    """Turn axes (3, 3) about y so that the back is level."""
-    from scipy.optimize import least_squares
-
-    local, facing = (points - origin) @ axes.T / width, normals @ axes.T
-    tip = float(local[:, 0].max())
-    behind = tip - local[:, 0]
-    seen = (behind > BACK[0]) & (behind < BACK[1])
-    seen &= (np.abs(local[:, 1]) < MIDDLE) & (facing[:, 2] > UP)
-    x, y, z = local[seen].T
-    if len(x) < 10:
-        return axes
-    terms = np.stack([np.ones_like(x), x, y**2], axis=1)
-    fit = least_squares(lambda c: terms @ c - z, np.zeros(3), loss="soft_l1", f_scale=0.02)
-    return _turned(axes, [0.0, -np.arctan(fit.x[1]), 0.0])
-
-
-def _turned(axes: Array, by: Any) -> Array:
-    """Turn axes (3, 3) in rows by a vector (3,) of angles about themselves."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_rotvec(by).as_matrix().T @ axes)

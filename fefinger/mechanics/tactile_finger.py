@@ -10,7 +10,7 @@ and the finger's relaxation; what finite strain adds is a factor by the deepest 
 
 from collections.abc import Sequence
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from fefinger.mechanics.press import operator
 from fefinger.mechanics.press.compliances import kernel, pad_compliance
 from fefinger.mechanics.press.prepared import Precision
 from fefinger.mechanics.press.sites import end_organ_sites, meshed
-from fefinger.mechanics.press.tactile_parts import Pose, TaxelGrid, poses
+from fefinger.mechanics.press.tactile_parts import Pose, TaxelGrid, TouchState, poses, under
 from fefinger.neural.streaming import RecordedAfferents
 from fefinger.results.records import Sites
 from fefinger.results.touch import VERDICTS, Maps, Touch, TouchError
@@ -57,12 +57,6 @@ ANGLES, DEPTHS = (0.0, 15.0, 30.0, 45.0), 12
 LIGHT = 0.25
 """Depth in mm up to which log t is proportional to depth: the force of so light a touch depends on
 which vertices of the mesh it meets."""
-
-
-class TouchState(NamedTuple):
-    """State of all worlds of a tactile finger, some 30 kB each."""
-
-    arrays: tuple[Array | Flags, ...]
 
 
 class TactileFinger:
@@ -396,11 +390,3 @@ class TactileFinger:
 def again(finger: Finger, options: dict[str, Any]) -> TactileFinger:
     """Make a tactile finger from its options."""
     return TactileFinger(finger, **options)
-
-
-def under(angle: float) -> Array:
-    """Return the rotation (3, 3) that turns z to the normal of a plate, at an angle in degrees."""
-    z = direction(Flat(angle))
-    x = np.cross([0.0, 1.0, 0.0], z)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])

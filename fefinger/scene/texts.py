@@ -10,8 +10,8 @@ from typing import Annotated, final
 import numpy as np
 
 from fefinger.geometry import profiles
-from fefinger.scene.indenter import Crest, FlankLimit, Raised
 from fefinger.scene.key import Key
+from fefinger.scene.raised import Crest, FlankLimit, Raised
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError
 

@@ -11,16 +11,9 @@ import numpy as np
 
 from fefinger.geometry import profiles
 from fefinger.geometry.height_map import MOST
-from fefinger.scene.indenter import (
-    FLANK_SAMPLES,
-    Crest,
-    FlankLimit,
-    Indenter,
-    Raised,
-    check_edge,
-    turned,
-)
+from fefinger.scene.indenter import Indenter, turned
 from fefinger.scene.key import Key
+from fefinger.scene.raised import FLANK_SAMPLES, Crest, FlankLimit, Raised, check_edge
 from fefinger.scene.relief_file import read_relief
 from fefinger.support.arrays import Array
 from fefinger.support.checks import InputError, boolean, number, set_number

@@ -17,7 +17,7 @@ from fefinger.mechanics import tactile_finger
 from fefinger.mechanics.evidence.presses import read
 from fefinger.mechanics.evidence.tactile_errors import REPORT, measured_errors
 from fefinger.mechanics.press import elastic_press
-from fefinger.mechanics.tactile_finger import under
+from fefinger.mechanics.press.tactile_parts import under
 from fefinger.results.touch import Touch
 from fefinger.scene.indenter import direction
 from fefinger.support.checks import InputError

@@ -8,7 +8,7 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
-from fefinger.mechanics.tactile_finger import under
+from fefinger.mechanics.press.tactile_parts import under
 from fefinger.results.touch import Touch
 from fefinger.support.checks import InputError
 

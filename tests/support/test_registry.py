@@ -9,8 +9,9 @@ import pytest
 from refusals import refused
 
 import fefinger as ff
-from fefinger.scene.indenter import Indenter, Raised
+from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import INDENTERS
+from fefinger.scene.raised import Raised
 from fefinger.support import processes, registry
 from fefinger.support.checks import InputError
 

@@ -10,9 +10,19 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fefinger.contact.pad_worlds import Pad
+from fefinger.scene.indenter import direction
+from fefinger.scene.indenters import Flat
 from fefinger.shapes import Shape
-from fefinger.support.arrays import Array
-from fefinger.support.checks import HUGE, InputError, instance, number, numbers, set_integer, shown
+from fefinger.support.arrays import Array, Flags
+from fefinger.support.checks import (
+    HUGE,
+    InputError,
+    instance,
+    number,
+    numbers,
+    set_integer,
+    shown,
+)
 
 
 @dataclass(frozen=True)
@@ -122,3 +132,17 @@ def _array(expected: str, given: object, shape: tuple[int, ...], number: int, wo
             f"{expected} {shape} or {(worlds, *shape)} of object {number}, received {received}"
         )
     return array
+
+
+class TouchState(NamedTuple):
+    """State of all worlds of a tactile finger, some 30 kB each."""
+
+    arrays: tuple[Array | Flags, ...]
+
+
+def under(angle: float) -> Array:
+    """Return the rotation (3, 3) that turns z to the normal of a plate, at an angle in degrees."""
+    z = direction(Flat(angle))
+    x = np.cross([0.0, 1.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(z, x), z])
