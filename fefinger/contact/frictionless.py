@@ -355,7 +355,8 @@ class RollingContact(Stepper):
         n = len(weights)
         (xx, xz), (zx, zz) = flexibility.transpose(0, 2, 1, 3)
         self._forms = np.array([xx, xz + zx, zz])
-        self.columns = np.ascontiguousarray(flexibility.reshape(2 * n, 2 * n))
+        # A copy, as one that is read from a file cannot be written: to numba that is another type.
+        self.columns = np.array(flexibility.reshape(2 * n, 2 * n), order="C")
         self.moments, self.weights = np.ascontiguousarray(moments), np.ascontiguousarray(weights)
         self.outline, self._normal = outline, (0.0, 0.0)
         self._work, self._traction, self._moved = np.zeros((3, n)), np.zeros(2 * n), np.zeros(2 * n)

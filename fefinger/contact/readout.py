@@ -39,7 +39,7 @@ def readout(
     return Readout(
         areas=np.array(areas, dtype=np.float64),
         projected=np.array(projected, dtype=np.float64),
-        moments=np.array(moments, dtype=np.float64),
+        moments=np.array(moments, dtype=np.float64, order="C"),
         rows=np.ascontiguousarray(rows, dtype=kind),
         chosen=np.zeros(len(rows), dtype=np.int64),
         factor=np.zeros(len(rows), dtype=kind),

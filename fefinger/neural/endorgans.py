@@ -110,7 +110,7 @@ def respond_modes(
     from fefinger.neural.endorgans_compiled import between
 
     time, x_in = np.asarray(time, float), np.asarray(x_in, float)
-    columns = x_in.reshape(len(time), -1)
+    columns = np.ascontiguousarray(x_in.reshape(len(time), -1))
     memory = _memory(time, columns, p)
     if at is None:
         out = at_rest * columns + np.einsum("i,tik->tk", c, memory).real

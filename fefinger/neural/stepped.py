@@ -83,6 +83,7 @@ class SteppedUnits:
                 f"units, received {getattr(strain, 'shape', type(strain).__name__)}; give one row "
                 "per unit, as the steps of a finger with these sites do"
             )
+        strain = np.ascontiguousarray(strain)  # one layout, which is compiled once
         parts = 1 if dt <= self.longest else math.ceil(dt / self.longest)
         part = dt / parts
         before: list[tuple[int, float]] = []

@@ -23,7 +23,7 @@ def extremes(tensors: Array) -> tuple[Array, Array]:
     digits, by Jacobi's rotations; to rounding, of the lower triangle, as `numpy.linalg.eigvalsh`,
     in a tenth of its time.
     """
-    tensors = np.asarray(tensors)
+    tensors = np.ascontiguousarray(tensors)  # one layout, which is compiled once
     shape = tensors.shape[:-2]
     low, high = np.empty((2, int(np.prod(shape, dtype=np.int64))))
     _extremes(tensors.reshape(-1, 3, 3), low, high)

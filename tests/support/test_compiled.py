@@ -7,13 +7,22 @@ import subprocess
 import sys
 from functools import partial
 
+import numpy as np
 import pytest
+from fefinger.validation.problems.grids import box
 from numba.core import event
 from numba.core.errors import NumbaError
 
 from fefinger.__main__ import main
+from fefinger.contact.readout import readout
+from fefinger.fem.elements.assembly import Elastic, stiffness
+from fefinger.fem.linalg.multifrontal import _add_lower
+from fefinger.fem.linalg.system import factor
+from fefinger.neural.endorgans import respond_modes
+from fefinger.neural.endorgans_compiled import between
 from fefinger.result import Result
 from fefinger.support import compiled
+from fefinger.support.tensors import _extremes, extremes
 
 
 SQUARE = """
@@ -149,3 +158,22 @@ def test_a_command_and_its_result_say_it(synthetic, answered, capsys, monkeypatc
     assert capsys.readouterr().err == f"note: {compiled.notice()}\n"
     again = Result.of(synthetic.scene, synthetic.plan, synthetic.response)
     assert compiled.notice() in again.notes
+
+
+def test_arrays_of_any_layout_are_compiled_once():
+    """Strided, by columns, or of one column, which counts as of either layout."""
+    before = {each: set(each.signatures) for each in (_extremes, between, _add_lower)}
+    tensors = np.random.default_rng(0).normal(size=(3, 3, 8))
+    extremes(tensors.transpose(2, 0, 1))
+    extremes(tensors.transpose(2, 0, 1).copy())
+    time, columns = np.linspace(0.0, 1.0, 5), np.ones((5, 4))
+    for given in (columns, np.asfortranarray(columns), columns[:, ::2]):
+        respond_modes(1.0, np.array([1.0]), np.array([2.0]), time, given, time[1:])
+    space = box(*3 * (np.linspace(0, 1, 5),))
+    held = np.flatnonzero(np.repeat(space.node_points[:, 2] == 0, 3))
+    factor(space, stiffness(space, {1: Elastic(5.0, 0.4)}), held)
+    for function, known in before.items():
+        assert len(set(function.signatures) - known) <= 1
+    strains = np.ones((4, 2))
+    moments = readout(np.ones(2), np.ones(2), np.ones((2, 2)).T, strains, np.float64).moments
+    assert moments.flags.c_contiguous

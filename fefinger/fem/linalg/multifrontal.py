@@ -104,9 +104,11 @@ class Assembly:
         columns = np.zeros((n + m, n), dtype=self._arranged.dtype, order="F")
         rest = np.zeros((m, m), dtype=self._arranged.dtype, order="F")
         self._gather(columns, front)
+        # By columns: arrays of one column count as of either layout, and compile it twice.
+        flat = columns.T.reshape(-1), n + m, rest.T.reshape(-1), m
         for part in front.parts:
             where = place[self._fronts[part].rest]
-            _add_lower(columns, rest, self.updates.pop(part), where, int(np.searchsorted(where, n)))
+            _add_lower(*flat, self.updates.pop(part), where, int(np.searchsorted(where, n)))
         place[front.start : front.stop] = -1
         place[front.rest] = -1
         return columns, rest
@@ -148,16 +150,25 @@ def factor(matrix: sparse.csr_matrix, dissection: Dissection) -> Factor:
 
 @njit(cache=True, nogil=True)
 def _add_lower(
-    columns: Floats, rest: Floats, update: Floats, where: Integers, n_pivots: int
+    columns: Floats,
+    height: int,
+    rest: Floats,
+    m: int,
+    update: Floats,
+    where: Integers,
+    n_pivots: int,
 ) -> None:
-    """Add a child's Schur complement (lower triangle); its first `n_pivots` rows are pivots."""
-    n = columns.shape[1]
+    """Add a child's Schur complement (lower triangle); its first `n_pivots` rows are pivots.
+
+    columns and rest, `height` and m rows high: of a front, column after column.
+    """
+    n = height - m
     for j in range(n_pivots):
         for i in range(j, len(where)):
-            columns[where[i], where[j]] += update[i, j]
+            columns[where[j] * height + where[i]] += update[i, j]
     for j in range(n_pivots, len(where)):
         for i in range(j, len(where)):
-            rest[where[i] - n, where[j] - n] += update[i, j]
+            rest[(where[j] - n) * m + where[i] - n] += update[i, j]
 
 
 def _eliminate(columns: Floats, split: int) -> tuple[Array, Array, Array]:
