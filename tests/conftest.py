@@ -27,7 +27,7 @@ from fefinger.scene.finger import Finger
 from fefinger.scene.indenters import Flat
 from fefinger.scene.motions import RampHold
 from fefinger.scene.scene import Scene
-from fefinger.support import machine
+from fefinger.support import machine, registry
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.tolerances import EQUILIBRIUM
 
@@ -105,6 +105,21 @@ def operators(kept: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of the operators that those tests share."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(kept))
     return kept / "fefinger" / "operators"
+
+
+@pytest.fixture(scope="module")
+def module_operators(kept: Path) -> Iterator[None]:
+    """Keep to those operators in all fixtures and tests of a module."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("XDG_CACHE_HOME", str(kept))
+        yield
+
+
+@pytest.fixture
+def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forget what a test registers."""
+    for each in registry.REGISTRIES:
+        monkeypatch.setattr(each, "_things", dict(each._things))
 
 
 @pytest.fixture(scope="session")

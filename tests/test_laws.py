@@ -7,7 +7,6 @@ import fefinger as ff
 from fefinger.fem.hyperelastic.continuum import uniaxial
 from fefinger.laws import LAWS, Law
 from fefinger.scene import builtin
-from fefinger.support import registry
 from fefinger.support.checks import InputError
 
 
@@ -20,10 +19,7 @@ PUBLISHED = {
 }
 """Published energies for a shear modulus of 1, of I1 - 3 and I2 - 3."""
 
-
-@pytest.fixture(autouse=True)
-def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry.LAWS, "_things", dict(registry.LAWS._things))
+pytestmark = pytest.mark.usefixtures("own_registry")
 
 
 def gent(i1, i2, p):

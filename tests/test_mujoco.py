@@ -1,8 +1,5 @@
 """A tactile finger in MuJoCo: a ball that drops, a cube that is held, a cylinder that rolls."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 from refusals import refused
@@ -21,12 +18,7 @@ HELD = 0.9  # s of the cube, from the first touch; docs/simulator.md states what
 LEFT = "0.5 0.5 -0.5 0.5"
 RIGHT = "0.5 0.5 0.5 -0.5"
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _cache(kept: Path) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setenv("XDG_CACHE_HOME", str(kept))
-        yield
+pytestmark = pytest.mark.usefixtures("module_operators")
 
 
 def lowest(tip: ff.TactileFinger) -> float:

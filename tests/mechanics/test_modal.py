@@ -2,7 +2,6 @@
 
 import dataclasses
 import wave
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -40,12 +39,7 @@ def scene(motion: ff.FrequencySweep | ff.RampHold | ff.Sampled, **ask: object) -
 
 FINGER = ff.Finger.subject("a.h.", tissue="maeno1998", resolution="coarse")
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _cache(kept: Path) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setenv("XDG_CACHE_HOME", str(kept))
-        yield
+pytestmark = pytest.mark.usefixtures("module_operators")
 
 
 @pytest.fixture(scope="module")

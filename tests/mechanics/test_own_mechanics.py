@@ -15,10 +15,7 @@ from fefinger.support.checks import InputError
 CHANGES = {"motion.depth": 0.5, "ask.pressure": False, "ask.strain": False, "ask.spikes": []}
 N = 5
 
-
-@pytest.fixture(autouse=True)
-def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry.MECHANICS, "_things", dict(registry.MECHANICS._things))
+pytestmark = pytest.mark.usefixtures("own_registry")
 
 
 class Springs(ff.Mechanics):

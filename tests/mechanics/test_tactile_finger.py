@@ -33,12 +33,7 @@ NORMAL = PLATE[:, 2]
 BALL = ff.shapes.Sphere(6.0)
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _cache(kept: Path) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setenv("XDG_CACHE_HOME", str(kept))
-        yield
+pytestmark = pytest.mark.usefixtures("module_operators")
 
 
 @pytest.fixture(scope="module", params=[0.0, 0.6], ids=["frictionless", "friction"])

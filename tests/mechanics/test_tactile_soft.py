@@ -1,8 +1,5 @@
 """Soft objects under a tactile finger: as of the loop, their tangent, what is refused."""
 
-from collections.abc import Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 from refusals import refused
@@ -18,12 +15,7 @@ PLATE = under(30.0)
 NORMAL = PLATE[:, 2]
 SOFT = ff.shapes.Soft(ff.shapes.Plane(), modulus=40, poisson=0.4, thickness=5)
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _cache(kept: Path) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setenv("XDG_CACHE_HOME", str(kept))
-        yield
+pytestmark = pytest.mark.usefixtures("module_operators")
 
 
 @pytest.fixture(scope="module")

@@ -6,16 +6,12 @@ from refusals import refused
 
 import fefinger as ff
 from fefinger.neural.variation import Variation
-from fefinger.support import registry
 from fefinger.support.checks import InputError
 
 
 TIME = np.linspace(0.0, 1.0, 11)
 
-
-@pytest.fixture(autouse=True)
-def own_registry(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry.AFFERENTS, "_things", dict(registry.AFFERENTS._things))
+pytestmark = pytest.mark.usefixtures("own_registry")
 
 
 class Rising(ff.Family):

@@ -93,9 +93,8 @@ fields = false
 
 
 @pytest.fixture(autouse=True)
-def _own_registry(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def _own_modules(own_registry: None, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Forget what a test registers and imports."""
-    monkeypatch.setattr(INDENTERS, "_things", dict(INDENTERS._things))
     monkeypatch.setattr(sys, "path", list(sys.path))
     yield
     sys.modules.pop("my_objects", None)

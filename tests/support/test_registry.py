@@ -33,10 +33,8 @@ class Marble(Indenter):
 
 
 @pytest.fixture(autouse=True)
-def own_registry(monkeypatch):
-    """Forget what a test registers."""
-    for each in registry.REGISTRIES:
-        monkeypatch.setattr(each, "_things", dict(each._things))
+def own_modules(own_registry, monkeypatch):
+    """Forget what a test registers and imports."""
     monkeypatch.setattr(sys, "path", list(sys.path))
     monkeypatch.setattr(sys, "modules", dict(sys.modules))
 
