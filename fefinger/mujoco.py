@@ -92,7 +92,7 @@ class Coupling:
     def step(self, data: "mujoco.MjData") -> Touch:
         """Feel the geoms where they are, and apply the wrenches to `data.xfrc_applied`.
 
-        The time since the last step is that of the model. Errors as `TactileFinger.step`.
+        The time since the last step is read from the model. Errors as `TactileFinger.step`.
         """
         import mujoco
 

@@ -182,7 +182,7 @@ def search(
 ) -> SensorFit:
     """Minimize the squared error of `predict` over the logarithms of the parameters (simplex).
 
-    guess: by name, that of the radius in mm first; other arguments and errors as `fit_fingerpad`.
+    guess: by name, the radius in mm first; other arguments and errors as `fit_fingerpad`.
     """
     from scipy.optimize import minimize
 

@@ -169,7 +169,7 @@ def calibrate(
         Header of time, position or force, where a file does not tell it, such as {"force":
         "channel 2 in mN"}.
     rig
-        What the rig does to the record, by default that of usual rigs: a force late by 0 +- 2 ms,
+        What the rig does to the record, by default what usual rigs do: a force late by 0 +- 2 ms,
         with an offset of 0 +- 50 mN and a drift of 0 +- 5 mN/s, which are fitted.
     indenter
         The object of all records, such as `ff.Flat(0)` or `ff.Sphere(5)`, or one for each, and then

@@ -47,7 +47,7 @@ def _is_default(result: FitResult, name: str) -> bool:
 def freed(result: FitResult, name: str, prior: Prior) -> FitResult:
     """Return a fit to start from, of records whose rig has another prior of something.
 
-    The covariance is that of the least errors of the model: others would hide what it does.
+    The covariance holds the least errors of the model: others would hide what it does.
     """
     loose: Any = {name: prior}
     law, values = result.law, result.solution.values

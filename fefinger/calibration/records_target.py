@@ -70,7 +70,7 @@ class RecordsTarget:
         return max(each.reach(law, values) for each in self.records if each.indenter == first)
 
     def misfits(self, law: ForceLaw, values: Values) -> dict[str, float]:
-        """Errors of every press; those of the first without a number."""
+        """Errors of every press; the first press has no number."""
         return {
             name: size for each in self.records for name, size in each.misfits(law, values).items()
         }

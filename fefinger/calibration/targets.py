@@ -41,7 +41,7 @@ class Target(Protocol):
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
-        """Unknowns of the data, besides those of the finger."""
+        """Unknowns of the data, besides the unknowns of the finger."""
 
     @property
     def lumped_law(self) -> LumpedLaw:
@@ -206,7 +206,7 @@ class Forces:
     def starts(self) -> list[Values]:
         """Make starts at several shapes of the law, with moduli that match the target's force.
 
-        They have the G of the target's lumped model; one has that of the priors too.
+        They have the G of the target's lumped model; one has the G of the priors too.
         """
         if len(self.family.shapes) == 1:
             shapes: Sequence[float] = (0.3, 1.5)

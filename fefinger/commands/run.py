@@ -182,7 +182,7 @@ def explain(scene: str, changes: tuple[str, ...], as_json: bool) -> None:
     """Show which mechanics would answer SCENE.
 
     Prints the expected error of the force and the time of every mechanics and mesh, and why the
-    others are refused. Times are those of computing, without compiling and saving.
+    others are refused. Times are of computing, without compiling and saving.
     """
     from dataclasses import asdict
 

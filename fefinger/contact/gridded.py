@@ -97,7 +97,7 @@ class GridStepper(Stepper):
         return DONE
 
     def _begin(self, dt: float, target: Target) -> float:
-        """Load the history of a step; return the stiffness g over that of the relaxed body."""
+        """Load the history of a step; return the ratio g of its stiffness to the relaxed one."""
         return load_history(self.history, dt)
 
     def _past(self, g: float) -> Array:

@@ -153,7 +153,7 @@ def _sampled(samples: Array, one: One, x: float, y: float, z: float) -> tuple[fl
 def distance(samples: Array, one: One, x: float, y: float, z: float) -> tuple[float, ...]:
     """Return the distance in mm of a point from an object, in its frame, and its gradient (3).
 
-    samples (n,): those of all objects.
+    samples (n,): of all objects.
     """
     kind, p, q, r, edge = one.kind, one.p, one.q, one.r, one.edge
     if kind == SAMPLED:

@@ -253,7 +253,7 @@ class ObjectSurface(Protocol):
         """Return its displacement (n_near,) mm at the candidates and around them."""
 
     def softened(self, solver: Complementarity, near: Flags, gain: float) -> Complementarity:
-        """Return a solver with its flexibility besides that of the body, at `near` candidates (n,).
+        """Return a solver with the flexibilities of object and body, at `near` candidates (n,).
 
         gain: factor on pressures in the solver.
         """

@@ -209,7 +209,7 @@ def _sampled(mesh: "Trimesh", count: int) -> tuple[Array, Array]:
 
 
 def _directions(normals: Array) -> list[Array]:
-    """Axes (3, 3) to start from: those of the file first, then all turns of the principal ones.
+    """Axes (3, 3) to start from: the axes of the file first, then all turns of the principal ones.
 
     The long axis is the one that the normals (n, 3) face least.
     """
@@ -288,7 +288,7 @@ def _fitted(
         return axes, origin, sizes[..., :1], sizes[..., 1:2], sizes[..., 2:]
 
     def away(values: Array) -> Array:
-        """Return distances, and those of the sizes from usual ones, (..., n + 3)."""
+        """Return distances of points, and of the sizes from usual ones, (..., n + 3)."""
         fit = parts(values)
         _, _, width, thickness, blunt = fit
         flat = np.log(thickness / width)

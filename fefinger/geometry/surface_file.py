@@ -63,7 +63,7 @@ class SurfaceFile:
     Attributes
     ----------
     mesh : the surface (trimesh).
-    place : (4, 4) transform to these axes from those of the file.
+    place : (4, 4) transform to these axes from the axes of the file.
     start : x in mm from which on the skin is whole, distal of the proximal end.
     skin : the smooth surface near that skin.
     width, thickness : of the smooth surface, in mm.
@@ -83,7 +83,7 @@ class SurfaceFile:
 def read_surface(path: str | Path, field: str = "surface", axes: str = FOUND) -> SurfaceFile:
     """Read and check the closed surface of a finger from an STL, OBJ, PLY or VTK file.
 
-    axes: "shape" finds them from the shape, "file" keeps those of the file.
+    axes: "shape" finds them from the shape, "file" keeps the axes of the file.
     Raises InputError if the file is missing, empty or no surface; the surface is open, intersects
     itself, has a flat side, is no fingertip or is not in mm.
     """

@@ -129,7 +129,7 @@ class Setup:
         return Ask(spikes=TYPES, population=population, mechanics=self.mechanics)
 
     def loop(self, resolution: str, progress: Progress | None = None) -> Loop:
-        """Prepare the loop; errors as those of `Loop`."""
+        """Prepare the loop; errors as of `Loop`."""
         sites = population_sites(self, resolution) if self.units == MANY else None
         return Loop(
             self.finger(resolution),

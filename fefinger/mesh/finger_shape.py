@@ -266,7 +266,7 @@ def distal_phalanx(
 ) -> Shell:
     """Build the distal phalanx: a base at the cut, a narrow shaft and a flat wide tuft.
 
-    slim: its width and height over those of other fingers. Raises InputError where it would end
+    slim: its width and height over the sizes of other fingers. Raises InputError where it would end
     behind the cut.
     """
     width, thickness = recipe.width, recipe.thickness

@@ -106,7 +106,7 @@ class Family(ABC):
         """Return the input (n_t, n_organs) in mm of end organs from their strain.
 
         strain (n_t, n_organs, 3, 3); normals (n_organs, 3) of the skin; `reference`: a small flat
-        press of the same finger; drives: other ones than those of the family, by type.
+        press of the same finger; drives: other ones than the family has, by type.
         """
         from fefinger.neural.drives import driven_displacements
 

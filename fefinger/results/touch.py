@@ -115,7 +115,7 @@ class Touch:
         d wrench = tangent @ (translation, rotation about the origin), of contact that stays where
         it is: vertices that stick follow the object, those that slip stay at the bound of friction.
         The turn of the directions of pressure is left out. Objects on one pad are coupled; the
-        rows of one object are those of its own motion.
+        rows of one object follow its own motion.
         """
         if self.verdict.ndim == 0:
             return self._tangent(())

@@ -1,7 +1,7 @@
-"""Speed of the machine relative to that of the reports, and the provenance of a result.
+"""Speed of this machine relative to the one of the reports, and the provenance of a result.
 
 The measure of speed is the CPU time of one fixed piece of work, taken once and kept in the user's
-cache. Reports hold that of the machine that measured them as `machine_seconds`.
+cache. Reports hold the time of the machine that measured them as `machine_seconds`.
 """
 
 import functools

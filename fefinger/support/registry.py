@@ -289,7 +289,7 @@ def own(who: str, module: str) -> Iterator[None]:
     """Turn what fails in a user's own code into an InputError with its name, and the line.
 
     who: the thing in the message; module: the one that defines it. Interrupts, a lack of memory,
-    errors in a sentence and those of the package's own things go on.
+    errors in a sentence, and errors of the package's own things go on.
     """
     try:
         yield

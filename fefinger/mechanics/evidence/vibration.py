@@ -52,7 +52,7 @@ EXTRAPOLATED = {"coarse": 4 / 3, "standard": 1 / 3, "fine": 1 / 12}
 def statics_error(case: Situation) -> tuple[float, str]:
     """Return the error of neglecting inertia in a vibration, a ramp or a slide, and the reason.
 
-    Those of vibrations and ramps were measured, that of a slide is a closed form.
+    Errors of vibrations and ramps were measured, the error of a slide is a closed form.
     """
     frequency, speed = case.motion.highest_frequency or 0.0, _speed(case)
     wave = wave_speed(case.finger)
@@ -297,7 +297,7 @@ def highest() -> float:
 def _share(case: Situation, amplitude: float | None = None) -> float:
     """Force of an oscillation of an amplitude in mm or N over the peak, at most 1.
 
-    By default of that of the motion.
+    By default the amplitude of the motion.
     """
     amplitude = case.motion.oscillation_amplitude if amplitude is None else amplitude
     factor = 1.0 if case.motion.by_force else SHARE
@@ -305,7 +305,7 @@ def _share(case: Situation, amplitude: float | None = None) -> float:
 
 
 def ratio(case: Situation) -> float:
-    """Return the highest frequency over that of the last mode, with the modulus at that frequency.
+    """Return the ratio of the highest frequency to the last mode, with the modulus at the former.
 
     The frequency of the last mode follows from wave speed and thickness.
     """

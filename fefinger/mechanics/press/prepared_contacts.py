@@ -1,4 +1,4 @@
-"""Contacts prepared for a loop beside those of small strain: a rolling plate, a tabulated press."""
+"""Contacts prepared for a loop, other than at small strain: a rolling plate, a tabulated press."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
