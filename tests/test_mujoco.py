@@ -15,8 +15,6 @@ ELASTIC = ff.Finger.subject("a.h.", prony=ff.Prony((1.0,), ()), **TISSUE)
 VISCOUS = ff.Finger.subject("a.h.", **TISSUE)
 GRAVITY = 9.81
 HELD = 0.9  # s of the cube, from the first touch; docs/simulator.md states what 10.4 s show
-LEFT = "0.5 0.5 -0.5 0.5"
-RIGHT = "0.5 0.5 0.5 -0.5"
 
 pytestmark = pytest.mark.usefixtures("module_operators")
 

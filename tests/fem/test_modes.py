@@ -9,10 +9,6 @@ from fefinger.fem.modes import lowest
 from fefinger.support.checks import ConvergenceError
 
 
-DENSITY = 1.1e-6
-SHEAR = 10.0
-
-
 def chain(size: int, seed: int = 0) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
     """Return a stiffness and a mass that are positive definite."""
     rng = np.random.default_rng(seed)
