@@ -184,6 +184,11 @@ def test_a_clean_house_has_no_violation():
             "fefinger.support.checks imports scipy when",
         ),
         (
+            "fefinger.support.checks",
+            "@njit(cache=True)\ndef f():\n    pass",
+            "fefinger.support.checks imports numba when",
+        ),
+        (
             "fefinger.scene.motion",
             "def f():\n    from fefinger.scene.scene import Scene",
             "cycle: fefinger.scene.motion -> fefinger.scene.scene -> fefinger.scene.motion",
@@ -347,6 +352,9 @@ def _heavy(every: list[Edge], modules: Mapping[str, str]) -> Iterator[str]:
     for edge in every:
         if edge.when == "import":
             loads[edge.importer] |= {edge.imported, *_parents(edge.imported)}
+    for name, text in modules.items():
+        if re.search(r"^@njit\b", text, re.MULTILINE):  # whose decorator imports numba
+            loads[name].add("numba")
     for start in LIGHT:
         loaded = _reachable(start, loads)
         for name in sorted(loaded & modules.keys()):

@@ -12,7 +12,7 @@ from typing import Any
 
 from fefinger.pages import page
 from fefinger.support import atomic_write
-from fefinger.support.text import unit_suffix
+from fefinger.support.text import entries, unit_suffix
 
 
 VERDICTS = ("pass", "documented", "short", "fail")
@@ -85,7 +85,7 @@ def html(
         verdicts=VERDICTS,
         total=total,
         suites=suites,
-        provenance=list(page.flat(provenance)),
+        provenance=list(entries(provenance)),
         data=data,
     )
 

@@ -5,7 +5,6 @@ All templates extend `base.html`.
 
 import base64
 import re
-from collections.abc import Iterator, Mapping
 from importlib import resources
 from typing import TYPE_CHECKING
 from urllib.parse import quote
@@ -60,8 +59,3 @@ def svg(drawn: "Figure") -> str:
 def png(data: bytes) -> str:
     """Return the bytes of a PNG file as the source of a picture."""
     return "data:image/png;base64," + base64.b64encode(data).decode("ascii")
-
-
-def flat(table: Mapping[str, object]) -> Iterator[tuple[str, str]]:
-    """Yield the entries of nested tables as (dotted name, text), without empty ones."""
-    return ((name, str(value)) for name, value in text.flat(table) if value != "")

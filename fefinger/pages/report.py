@@ -20,6 +20,7 @@ from fefinger.results.records import Harmonic
 from fefinger.results.result_record import ResultRecord
 from fefinger.support.atomic_write import temporary_folder
 from fefinger.support.registry import AFFERENTS
+from fefinger.support.text import entries
 from fefinger.view import (
     figures,
     frames,
@@ -79,7 +80,7 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
         notes=[note if note.endswith(".") else f"{note}." for note in notes],
         folder="out",
         fields=result.fields is not None,
-        provenance=list(page.flat(result.provenance)),
+        provenance=list(entries(result.provenance)),
         toml=result.scene.to_toml(),
     )
     Path(path).write_text(html, encoding="utf-8")

@@ -9,7 +9,7 @@ from fefinger.pages import page
 from fefinger.scene.schema import split
 from fefinger.studies.grid import DIGITS, ERRORS, MEASURES, Row, bounds, remarks, words
 from fefinger.studies.tables import POINTS, WINDOW, StudyRows
-from fefinger.support.text import brief, percent
+from fefinger.support.text import brief, entries, percent
 from fefinger.view import figures
 
 
@@ -272,7 +272,7 @@ def html(study: StudyRows) -> str:
         notes=[*filter(None, [study.about.get("chosen")]), *remarks(study.rows, study.over)],
         lines=(errors(study.rows), *([LEGEND] if has_hertz else [])),
         parts=[*_parts(study), part(HOW, MEANING, *([HERTZ] if has_hertz else []))],
-        provenance=list(page.flat(study.about)),
+        provenance=list(entries(study.about)),
     )
 
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fefinger.pages.page import flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.schema import split
 from fefinger.studies.grid import MEASURES, MISSED, meaning
@@ -22,6 +21,7 @@ from fefinger.support.arrays import Array, Flags
 from fefinger.support.atomic_write import check_name, in_place, netcdf
 from fefinger.support.checks import InputError
 from fefinger.support.inputs import read_json
+from fefinger.support.text import entries
 from fefinger.support.vocabulary import Control
 
 
@@ -66,7 +66,7 @@ class StudyRows:
         plain = [{k: v for k, v in row.items() if not isinstance(v, list)} for row in self.rows]
         columns = list(dict.fromkeys(key for row in plain for key in row))
         table = pd.DataFrame(plain, columns=columns)
-        table.attrs = {"scene": self.name, **dict(flat(self.about))}
+        table.attrs = {"scene": self.name, **dict(entries(self.about))}
         return table
 
 

@@ -36,6 +36,11 @@ def flat(table: Mapping[str, object], prefix: str = "") -> Iterator[tuple[str, o
             yield f"{prefix}{key}", value
 
 
+def entries(table: Mapping[str, object]) -> Iterator[tuple[str, str]]:
+    """Yield the entries of nested tables as (dotted name, text), without empty ones."""
+    return ((name, str(value)) for name, value in flat(table) if value != "")
+
+
 def counted(names: Sequence[str]) -> str:
     """List each name once, with its number if it occurs more often, as in "4 SAI, FAI"."""
     numbers = {name: names.count(name) for name in names}
