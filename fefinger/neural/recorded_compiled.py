@@ -268,7 +268,7 @@ def run(
     # Lanes without a unit are never free to fire.
     s[_FREE : _FREE + LANES] = np.inf
     _load(units, block, states, s)
-    knot, size = NEVER, 0.0
+    size, knot = 0.0, int(NEVER)  # a constant itself would compile `_draw` once more
     for i in range(len(block)):
         current[0, block[i]] = s[_CURRENT + i]
     for k in range(1, len(time)):
