@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from fefinger.validation.evidence import tactile
 from numpy.typing import ArrayLike
+from refusals import refused
 
 import fefinger as ff
 from fefinger.geometry.profiles import frame
@@ -490,9 +491,9 @@ def test_what_is_no_pose_is_refused_and_changes_nothing(
 ) -> None:
     tip.reset()
     before = ball(tip, 0.5).wrench
-    with pytest.raises(InputError, match="objects"):
+    with refused("objects"):
         tip.step(objects, 1e-3)  # type: ignore[arg-type]  # what the types forbid is refused too
-    with pytest.raises(InputError, match="dt"):
+    with refused("dt"):
         tip.step([POSE], -1.0)
     assert np.allclose(ball(tip, 0.5, 1e-9).wrench, before, rtol=1e-6)
 

@@ -359,7 +359,7 @@ def test_the_nearest_stored_time_is_drawn(synthetic):
 
 @pytest.mark.parametrize("draw", [view.screenshot, viewer.write])
 def test_a_time_after_the_end_is_refused(synthetic, tmp_path, draw):
-    with pytest.raises(InputError, match="time: expected a time within the run, from 0 to 5 s"):
+    with refused("time"):
         draw(synthetic, tmp_path / "a.png", time=99.0)
     assert list(tmp_path.iterdir()) == []
 
