@@ -15,7 +15,7 @@ def march(
     relaxation: Relaxation,
     prescribed: Prescribed,
 ) -> History:
-    """Compute the contact history of a body at rest, as `contact.march` does."""
+    """Compute the contact history of a body at rest, as `contact.stepper.march` does."""
     solver = Complementarity(flexibility)
     time, value = prescribed.time, prescribed.value
     peak = float(value.max(initial=0.0))
