@@ -30,6 +30,7 @@ from fefinger.results.records import Refusal, Response
 from fefinger.scene.ask import Ask, innervation
 from fefinger.scene.finger import BONE, Finger
 from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.scene.tissue import Ridges
@@ -68,13 +69,24 @@ NOTES = (
 
 
 ON_GRID = (
-    "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid bone; the sides, "
-    "the tip and the nail are left out, and the bone is flat. The pad is a paraboloid.",
+    "The finger is a flat stack of skin and subcutaneous tissue bonded to rigid, flat bone, and "
+    "its pad a paraboloid.",
     "Small strain; the pressure acts along the travel, not along the slopes of the object, and the "
     "skin meets the heights ahead of its undeformed points.",
     "The whole stress relaxes with one function G(t). Stated errors are those of a press without a "
     "path, friction or ridges.",
     notes.QUASISTATIC,
+)
+
+BEYOND = (
+    "What sides, tip and bone of the finger yield beyond that is one displacement of the whole "
+    "contact, {compliance:.3g} mm/N, from a press {depth:.2g} mm deep by a {object} on the coarse "
+    "mesh; it does not strain the skin."
+)
+
+NOTHING_BEYOND = (
+    "Sides, tip and bone of the finger yield nothing beyond that, as no mesh could be made of the "
+    "finger: {reason}."
 )
 
 SMOOTH = (
@@ -309,7 +321,7 @@ def respond(scene: Scene, progress: Progress | None = None) -> Response:
     InputError also if the contact becomes wider than its relative radius, or of a grid.
     """
     if on_grid(scene.finger, scene.indenter, scene.motion):
-        return _respond_on_grid(scene, progress)
+        return respond_on_grid(scene, progress)
     body, plate = contact(scene), _plate(scene.finger)
     ellipse = (hertz.ELLIPTIC,) if hertz.elliptic(scene.indenter) else ()
     stated = (*NOTES, notes.RIGID_OBJECT, *notes.normalization_notes(scene.finger.prony), *ellipse)
@@ -361,21 +373,47 @@ def inertia(case: Situation) -> tuple[str, ...]:
     return (INERTIA.format(what=what, frequency=speed / period, share=share),)
 
 
-def _respond_on_grid(scene: Scene, progress: Progress | None) -> Response:
+def respond_on_grid(scene: Scene, progress: Progress | None = None) -> Response:
+    """Solve the scene on a grid, whatever its object: as `respond` solves those that need one."""
     from fefinger.mechanics.press import layer_press
 
-    finger, indenter = scene.finger, scene.indenter
+    finger, indenter, stages = scene.finger, scene.indenter, Stages(progress)
+    with stages.stage("body"):
+        body, yields = _on_finger(scene)
     left_out = (*causes(finger, indenter), *inertia(Situation.of(scene)))
     return layer_press.respond(
         scene,
-        grid(finger, indenter, scene.motion, scene.ask),
+        body,
         lambda: axisymmetric.small_press(scene.ask, finger.pulp, _plate(finger)),
-        Stages(progress),
+        stages,
         mechanics=name,
         notes=(
             *ON_GRID,
+            yields,
             notes.object_note(indenter),
             *left_out,
             *notes.normalization_notes(finger.prony),
         ),
     )
+
+
+def _on_finger(scene: Scene) -> "tuple[LayerGrid, str]":
+    """Return the grid of a scene with what the finger yields beyond its layers, and that as text.
+
+    Where no mesh can be made of the finger the layers are alone.
+    """
+    from fefinger.mechanics.press import beyond_layers
+
+    finger, indenter = scene.finger, scene.indenter
+    layers = grid(finger, indenter, scene.motion, scene.ask)
+    smooth, by = beyond_layers.alone(finger), beyond_layers.pressed_by(finger, indenter)
+    try:
+        beyond = beyond_layers.compliance(smooth, layers.layers, by)
+    except InputError as error:
+        return layers, NOTHING_BEYOND.format(reason=error)
+    said = BEYOND.format(
+        compliance=beyond / NEWTON_PER_MILLINEWTON,
+        depth=beyond_layers.PART * finger.thickness,
+        object="plate" if isinstance(by, Flat) else "ball",
+    )
+    return replace(layers, beyond=beyond), said

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from fefinger.validation.evidence import cost_table, strain_types
-from fefinger.validation.evidence.grid_errors import GRID_ERRORS
+from fefinger.validation.evidence.grid_errors import GRID_ERRORS, PLATE
 from fefinger.validation.evidence.press_mesh import MEASUREMENTS, REPORT, Measurement
 from fefinger.validation.pressed.measure import TABULATION, TABULATION_SETS
 from fefinger.validation.provenance import save, saved, short
@@ -88,10 +88,10 @@ def joined(folder: Path) -> dict[str, Any]:
         parts = np.array(part or np.divide(row["depth_mm"], row["thickness_mm"]))
         errors = {label: dict(each) for label, each in row["errors"].items()}
         add_types(errors, parts, typed.get(name))
-        if name in gridded:
+        if name in gridded and not name.endswith(PLATE):
             errors[layered.name] = on_grid(parts, gridded[name])
         found[name] = record(measurements[name], parts, row["force_N"], errors)
-    return found | dict(raised(found))
+    return found | dict(raised(found, gridded))
 
 
 def record(
@@ -202,7 +202,7 @@ def tabulation_errors(pairs: Mapping[str, NDArray[np.float64]]) -> dict[str, lis
     return {"part": short(PARTS)} | means
 
 
-def raised(found: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def raised(found: Mapping[str, Any], gridded: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Yield the errors under raised dots: of the mesh under them, and those under a plate."""
     for name in RAISED_PRESSES:
         plate, (owner, _, _) = found[name], name.partition("/")
@@ -216,8 +216,8 @@ def raised(found: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             for mesh, error in RAISED.items()
             for measured in [mesh if MECHANICS[mechanics].finite or mesh != "fine" else "standard"]
         }
-        force = np.array(plate["errors"][layered.name]["force"])
-        errors[layered.name] = {"force": short(force + RAISED_ON_GRID, 3)}
+        on_plate = on_grid(np.array(plate["part"]), gridded[name])["force"]
+        errors[layered.name] = {"force": short(on_plate + RAISED_ON_GRID, 3)}
         dots = replace(MEASUREMENTS[name], indenter=Dots(SPACING))
         yield f"{owner}/dots", record(dots, np.array(plate["part"]), plate["force_N"], errors)
 

@@ -1,4 +1,4 @@
-"""Measure errors of `layered` on a grid, under objects that are not round.
+"""Measure errors of `layered` on a grid, under objects that are not round and under a plate.
 
 Run as `python -m fefinger.validation.evidence.grid_errors reports [NAME ...]`; about ten minutes on
 one core. The presses are those of `press_mesh.py`. Each is compared with finite strain on the
@@ -26,7 +26,12 @@ GRID_ERRORS = "grid-errors.json"
 OBJECTS = ("bar", "grating", "pin", "bar-4", "grating-6", "cylinder", "grating-10")
 """Objects that `layered` answers on a grid alone."""
 
-NAMES = tuple(f"{owner}/{name}" for owner in (library.PUBLISHED, "a.h.") for name in OBJECTS)
+PLATE = "flat-30"
+"""A smooth plate, for raised parts on it: without friction `layered` needs no grid for it."""
+
+NAMES = tuple(
+    f"{owner}/{name}" for owner in (library.PUBLISHED, "a.h.") for name in (*OBJECTS, PLATE)
+)
 """Presses into published tissue, and into that calibrated on a finger."""
 
 
@@ -37,7 +42,7 @@ def row(name: str, mesh: dict[str, Any]) -> dict[str, Any]:
     """
     measurement = MEASUREMENTS[name]
     scene = measurement.scene("standard")
-    true, grid = (Press.of(get(each).respond(scene)) for each in ("pressed", layered.name))
+    true, grid = map(Press.of, (get("pressed").respond(scene), layered.respond_on_grid(scene)))
     part = true.depth[true.at] / measurement.finger.thickness
     at = np.divide(mesh["depth_mm"], mesh["thickness_mm"])
     left = {what: np.interp(part, at, x) for what, x in mesh["errors"]["solid standard"].items()}

@@ -10,7 +10,7 @@ what is left.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -35,12 +35,14 @@ class LayerGrid:
     """Layers under a periodic square grid of `points` a side, `spacing` mm apart.
 
     width: standard deviation in mm of the Gaussian pressure for which the images are taken away.
+    beyond: displacement in mm per mN of the body that bears the layers (`beyond_layers.py`).
     """
 
     layers: Stack
     points: int
     spacing: float
     width: float = 1.0
+    beyond: float = 0.0
 
     @property
     def period(self) -> float:
@@ -61,7 +63,7 @@ class LayerGrid:
     def compliance(self) -> Array:
         """Displacement in mm of the surface per kPa of every wave (n, n // 2 + 1)."""
         _, sink, _, _ = amplitudes(self.layers, wavenumbers(self.points, self.spacing), 0.0)
-        sink[0, 0] -= self.of_images(0.0).sink * self.period**2
+        sink[0, 0] += (self.beyond - self.of_images(0.0).sink) * self.period**2
         return sink
 
     @cached_property
@@ -118,7 +120,7 @@ class LayerGrid:
 
     @cached_property
     def _wider(self) -> "LayerGrid":
-        return LayerGrid(self.layers, 2 * self.points, self.spacing, self.width)
+        return replace(self, points=2 * self.points)
 
     def waves(self, stress: Array) -> Waves:
         """Return the Fourier transforms (k, n, n // 2 + 1) of stresses, k times (n, n) or (n²,)."""

@@ -1,0 +1,64 @@
+"""Compliance of a finger beyond flat layers on flat bone: its sides, its tip, and its bone.
+
+Near a load a finger yields as the layers do; what it yields beyond them varies over lengths of its
+thickness, so that in a contact it is nearly one displacement, in proportion to the force. That is
+read from one press of the whole finger on the coarse mesh, at small strain and without relaxation:
+by the plate of the object, or by a ball at its place.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+
+from fefinger.mechanics.press import small_strain
+from fefinger.mechanics.press.operator import METHOD
+from fefinger.scene.ask import Ask
+from fefinger.scene.finger import RESOLUTIONS, Finger
+from fefinger.scene.indenter import Indenter
+from fefinger.scene.indenters import Flat, Sphere
+from fefinger.scene.motions import Ramp
+from fefinger.scene.scene import Scene
+from fefinger.support.units import NEWTON_PER_MILLINEWTON
+from fefinger.theory.contact.contact_table import tabulate_to
+from fefinger.theory.contact.stack import Stack
+from fefinger.theory.relaxation import Prony
+
+
+PART = 0.06
+"""Depth of the press over the thickness of the finger: on a coarse mesh a shallower contact is a
+few facets wide, a deeper one as wide as the layers are thick."""
+
+BALL = 0.8
+"""Radius of the ball over the thickness of the finger: its contact is narrower than a plate's."""
+
+ELASTIC = Prony((1.0,), ())
+
+
+def alone(finger: Finger) -> Finger:
+    """Return the finger that is pressed: coarse, elastic, and with a smooth pad."""
+    return replace(finger, resolution=RESOLUTIONS[0], prony=ELASTIC, ridges=None)
+
+
+def pressed_by(finger: Finger, indenter: Indenter) -> Flat | Sphere:
+    """Return the plate, or the ball, that stands for an object."""
+    plate = indenter.plate
+    if plate is None:
+        return Sphere(BALL * finger.thickness, at=indenter.place)
+    return Flat(plate.angle, plate.tilt)
+
+
+@lru_cache(maxsize=32)
+def compliance(finger: Finger, layers: Stack, indenter: Flat | Sphere) -> float:
+    """Return the displacement in mm per mN of the finger beyond that of its layers.
+
+    finger, indenter: as of `alone` and `pressed_by`. InputError for a finger that has no mesh.
+    """
+    ask = Ask(spikes=(), fields=False, strain=False, pressure=False)
+    motion = Ramp(speed=1.0, depth=PART * finger.thickness, corner=0.0)
+    scene = Scene(finger=finger, indenter=indenter, motion=motion, ask=ask)
+    # The mesh of the finger serves all objects; it is solved whole, as contact may leave its pad.
+    method = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
+    answer = small_strain.respond(scene, mechanics="linear", notes=(), method=method)
+    force = float(answer.force[-1]) / NEWTON_PER_MILLINEWTON
+    round_ = 1 / finger.pad_radius + (1 / indenter.radius if isinstance(indenter, Sphere) else 0)
+    sunk = float(tabulate_to(layers, 1 / round_, force=force).depth(force))
+    return (float(answer.depth[-1]) - sunk) / force
