@@ -222,7 +222,7 @@ def _rung(
         reason = f"expected relative error = {format_excess(judged, ask.rel_error)} ({ERROR})"
         refusals = (*refusals, Refusal(name, "accuracy", reason, ERROR))
     error = max(whole, inertia.vibration) if left_out else whole
-    if case.finger.ridges is not None and not MECHANICS[name].ridges:
+    if case.finger.raised_ridges is not None and not MECHANICS[name].ridges:
         reason = "finger.ridges: this mechanics has a smooth pad"
         refusals = (*refusals, Refusal(name, "accuracy", reason, "finger.ridges"))
     refusals = (*refusals, *left_out)
@@ -269,7 +269,7 @@ def _check_force(case: Situation) -> None:
 def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
-        return min(willing, key=lambda rung: rung.seconds)
+        return min(willing, key=lambda rung: (_blurs(case, rung.mechanics), rung.seconds))
     _check_meshable(rungs)
     tiny = "".join(f"{each[0].upper()}{each[1:]}. " for each in unusual(case))
     deepest = case.motion.deepest
@@ -281,6 +281,13 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         f"{relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
+
+
+def _blurs(case: Situation, mechanics: str) -> bool:
+    """Whether a texture slides over a mesh, whose vertices then are what units feel."""
+    felt = case.ask.wants("strain") or bool(case.ask.spikes)
+    texture = case.motion.slides and math.isfinite(case.indenter.feature)
+    return felt and texture and MECHANICS[mechanics].meshed
 
 
 def _check_meshable(rungs: tuple[Rung, ...]) -> None:
@@ -376,6 +383,9 @@ def _sentence(
 ) -> str:
     """Return the choice in words: why, what is computed and built, what was left out."""
     how = "as named" if named else "the cheapest that does not refuse"
+    others = [rung.mechanics for rung in considered if _willing(rung)]
+    if not named and _blurs(case, chosen.mechanics) < any(_blurs(case, name) for name in others):
+        how += " without a mesh, whose vertices units would feel in place of the texture"
     sentence = f"{chosen.mechanics}, {how}. {settings.described}{_built(case, chosen)}"
     sentence += "".join(f" Caution: {each}." for each in unusual(case))
     tried = {rung.mechanics for rung in considered}

@@ -16,7 +16,7 @@ from refusals import refused
 
 import fefinger as ff
 from fefinger import mechanics, plan
-from fefinger.mechanics import get
+from fefinger.mechanics import get, layered
 from fefinger.mechanics.evidence import costs
 from fefinger.mechanics.situation import Situation
 from fefinger.results import key_numbers, result_record
@@ -151,6 +151,41 @@ def test_parts_finer_than_the_facets_are_refused_before_and_said_on_top_of_the_a
     result = SimpleNamespace(plan=named)
     assert key_numbers._unresolved(result) == [reason]
     assert "0.25 / 0.42 mm" in reason
+
+
+def test_a_texture_that_slides_is_felt_without_a_mesh_where_one_is_accurate_enough():
+    smooth = {"finger.ridges": None, "ask.rel_error": 0.9}
+    found = ff.explain("slide-dots", changes=smooth)
+    willing = [each for each in found.rungs if not each.refusals]
+    cheapest = min(willing, key=lambda each: each.seconds).mechanics
+    assert MECHANICS[cheapest].meshed
+    assert found.mechanics == "layered"
+    assert "vertices" in found.sentence
+    scene = builtin.load("slide-dots", smooth)
+    unfelt = replace(scene.ask, spikes=(), strain=False, population=None)
+    found = ff.explain(replace(scene, ask=unfelt))
+    assert MECHANICS[found.mechanics].meshed
+    assert "vertices" not in found.sentence
+
+
+@pytest.mark.parametrize("name", [each for each in builtin.names() if each.startswith("slide-")])
+def test_scenes_of_textures_are_answered_with_ridges(name):
+    plan = ff.explain(name)
+    assert plan.mechanics == "layered"
+    assert builtin.load(name).finger.raised_ridges is not None
+
+
+def test_ridges_of_no_height_are_a_smooth_pad_and_higher_ones_err_more():
+    def error(height):
+        scene = builtin.load("slide-dots", {"finger.ridges": {"height": height}})
+        return layered.error(Situation.of(scene)).error
+
+    smooth = builtin.load("slide-dots", {"finger.ridges": None})
+    assert error(0.0) == pytest.approx(layered.error(Situation.of(smooth)).error)
+    assert error(0.0) < error(0.05) < error(0.1)
+    scene = builtin.load("slide-dots", {"finger.ridges.height": 0.0})
+    linear = next(each for each in plan.rungs(scene) if each.mechanics == "linear")
+    assert not linear.refusals
 
 
 def test_a_mechanics_that_finds_a_scene_beyond_its_limits_is_followed_by_the_next(monkeypatch):

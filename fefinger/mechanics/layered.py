@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fefinger.mechanics import hertz
-from fefinger.mechanics.evidence import costs, vibration
+from fefinger.mechanics.evidence import costs, presses, vibration
 from fefinger.mechanics.evidence.stated_errors import StatedError, error_of
 from fefinger.mechanics.press import axisymmetric, notes
 from fefinger.mechanics.press.notes import Reason, refusals
@@ -28,12 +28,10 @@ from fefinger.mechanics.situation import Situation
 from fefinger.results.candidate import Traits
 from fefinger.results.records import Refusal, Response
 from fefinger.scene.ask import Ask, innervation
-from fefinger.scene.finger import BONE, Finger
+from fefinger.scene.finger import BONE, RESOLUTIONS, Finger
 from fefinger.scene.indenter import Indenter
-from fefinger.scene.indenters import Flat
 from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
-from fefinger.scene.tissue import Ridges
 from fefinger.support.checks import BeyondError, InputError
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.text import percent
@@ -74,7 +72,7 @@ ON_GRID = (
     "Small strain; the pressure acts along the travel, not along the slopes of the object, and the "
     "skin meets the heights ahead of its undeformed points.",
     "The whole stress relaxes with one function G(t). Stated errors are those of a press without a "
-    "path, friction or ridges.",
+    "path or friction.",
     notes.QUASISTATIC,
 )
 
@@ -105,6 +103,8 @@ COULOMB = (
 )
 
 UNKNOWN = "not known: no press of a skin with ridges was compared with finite strain"
+
+FLATTENED = "{share} of ridges, as if all of them gave way by half of their height"
 
 ON_A_GRID = f"{name} on a grid"
 """Name of its cost there."""
@@ -189,11 +189,7 @@ def deepest(case: Situation, enough: float) -> float:
 def on_grid(finger: Finger, indenter: Indenter, motion: Motion) -> bool:
     """Return whether a press takes a grid: all but a hard, smooth, round object on a smooth pad."""
     round_ = indenter.hertzian is not None and indenter.soft_body is None
-    return indenter.friction > 0 or not round_ or motion.slides or _ridges(finger) is not None
-
-
-def _ridges(finger: Finger) -> Ridges | None:
-    return finger.ridges if finger.ridges is not None and finger.ridges.height > 0 else None
+    return indenter.friction > 0 or not round_ or motion.slides or finger.raised_ridges is not None
 
 
 @lru_cache(maxsize=32)
@@ -206,7 +202,7 @@ def grid(finger: Finger, indenter: Indenter, motion: Motion, ask: Ask) -> "Layer
     from fefinger.mechanics.press import layer_gap
 
     reach = _reach(finger, indenter, motion)
-    layer_gap.check_ridges(_ridges(finger), reach)
+    layer_gap.check_ridges(finger.raised_ridges, reach)
     types = ask.spikes or (tuple(innervation()) if ask.wants("strain") else ())
     depths = {kind: organ.depth for kind, organ in innervation().items()} | dict(ask.depths)
     shallowest = min((depths[kind] for kind in types), default=math.inf)
@@ -301,7 +297,9 @@ def cost(case: Situation) -> float:
     spent = steps * points * sum(costs.seconds(ON_A_GRID, stage) for stage in stages)
     organs = costs.organs(case.ask) if case.ask.population is not None else 0.0
     spent += organs * len(case.times) * costs.seconds(ON_A_GRID, "sample")
-    return spent + costs.seconds(ON_A_GRID, "setup")
+    spent += costs.seconds(ON_A_GRID, "setup")
+    coarse = case.on(RESOLUTIONS[0])  # the press of the finger for what it yields beyond layers
+    return spent + costs.seconds("linear", "setup", coarse.mesh) + costs.mesh_seconds(coarse)
 
 
 once, coarser = hertz.once, hertz.coarser
@@ -309,10 +307,20 @@ _measured = error_of(name)
 
 
 def error(case: Situation, quantity: str = "force") -> StatedError:
-    """Return the measured relative error of a quantity, and its source."""
-    if _ridges(case.finger) is not None:
+    """Return the measured relative error of a quantity, and its source.
+
+    With ridges that of the force alone: of a smooth pad, and of ridges that do not give way here.
+    """
+    ridges, found = case.finger.raised_ridges, _measured(case, quantity)
+    if ridges is None:
+        return found
+    if quantity != "force":
         return StatedError(math.nan, UNKNOWN)
-    return _measured(case, quantity)
+    depth = case.depth_over_thickness * case.finger.thickness
+    power = presses.pressed(case.features).steepness(case.depth_over_thickness)
+    own = power * ridges.height / 2 / depth if depth else math.inf
+    source = f"{found.source}; {FLATTENED.format(share=percent(own))}"
+    return StatedError(math.hypot(found.error, own), source)
 
 
 def respond(scene: Scene, progress: Progress | None = None) -> Response:
@@ -348,7 +356,10 @@ def _plate(finger: Finger) -> "ContactTable":
 
 def causes(finger: Finger, indenter: Indenter) -> list[str]:
     """Return in words which causes of spikes over textures an answer on a grid has."""
-    ridges, others = _ridges(finger), "inertia" if indenter.friction else "friction and inertia"
+    ridges, others = (
+        finger.raised_ridges,
+        "inertia" if indenter.friction else "friction and inertia",
+    )
     if ridges is None:
         found = [SMOOTH.format(others=others)]
     else:
@@ -361,7 +372,7 @@ def causes(finger: Finger, indenter: Indenter) -> list[str]:
 
 def inertia(case: Situation) -> tuple[str, ...]:
     """Return in words what inertia would change where a texture or ridges pass."""
-    ridges, indenter = _ridges(case.finger), case.indenter
+    ridges, indenter = case.finger.raised_ridges, case.indenter
     if not case.motion.slides or (ridges is None and indenter.feature == math.inf):
         return ()
     path = np.linalg.norm(np.diff(case.motion.shift(case.times), axis=0), axis=1)
@@ -414,6 +425,6 @@ def _on_finger(scene: Scene) -> "tuple[LayerGrid, str]":
     said = BEYOND.format(
         compliance=beyond / NEWTON_PER_MILLINEWTON,
         depth=beyond_layers.PART * finger.thickness,
-        object="plate" if isinstance(by, Flat) else "ball",
+        object="ball" if by.flat is None else "plate",
     )
     return replace(layers, beyond=beyond), said

@@ -95,8 +95,8 @@ def unmodeled(scene: Scene) -> tuple[str, ...]:
     they do; of a ramp statics leaves them its corners, of slip and of distance nothing. Under
     ridges of the skin, textures are such a cause.
     """
-    caused = scene.motion.highest_frequency is not None or scene.finger.ridges is not None
-    return () if caused or "FAII" not in scene.ask.spikes else ("FAII",)
+    vibrates, ridges = scene.motion.highest_frequency is not None, scene.finger.raised_ridges
+    return () if vibrates or ridges or "FAII" not in scene.ask.spikes else ("FAII",)
 
 
 def noise(motion: Motion) -> tuple[str, ...]:

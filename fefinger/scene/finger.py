@@ -228,6 +228,11 @@ class Finger:
         """Thickness of soft tissue under the pad in mm, about: 0.44 to 0.58 of the finger's."""
         return PULP * self.thickness
 
+    @property
+    def raised_ridges(self) -> Ridges | None:
+        """Ridges of the skin that rise from the pad; None for a smooth one, as at a height of 0."""
+        return self.ridges if self.ridges is not None and self.ridges.height > 0 else None
+
     @classmethod
     def from_surface(cls, file: str | Path, **overrides: Any) -> Self:
         """Return the finger with the shape of a closed surface file (STL, OBJ, PLY, VTK).

@@ -59,6 +59,6 @@ def compliance(finger: Finger, layers: Stack, indenter: Flat | Sphere) -> float:
     method = replace(small_strain.WHOLE_MESH, touch=METHOD.touch)
     answer = small_strain.respond(scene, mechanics="linear", notes=(), method=method)
     force = float(answer.force[-1]) / NEWTON_PER_MILLINEWTON
-    round_ = 1 / finger.pad_radius + (1 / indenter.radius if isinstance(indenter, Sphere) else 0)
-    sunk = float(tabulate_to(layers, 1 / round_, force=force).depth(force))
+    radius = 1 / (1 / finger.pad_radius + 1 / indenter.least_radius)
+    sunk = float(tabulate_to(layers, radius, force=force).depth(force))
     return (float(answer.depth[-1]) - sunk) / force
