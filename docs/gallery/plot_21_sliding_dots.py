@@ -3,7 +3,7 @@ Dots that slide under the pad
 =============================
 
 A plate of raised dots is scanned at 60 mm/s. Each spike is drawn at the place on the plate that was
-over the unit then: a spatial event plot.
+over the unit then: a spatial event plot. The pad has ridges, which `finger.ridges` describes.
 """
 
 import fefinger as ff
@@ -11,10 +11,10 @@ from fefinger.view import spatial_figures
 
 
 changes = {
-    "finger.resolution": "coarse",
-    "ask.rel_error": 0.9,
+    "motion.force": 0.3,
+    "ask.pressure": False,
     "ask.population.radius": 2,
-    "motion.distance": 12,
+    "motion.distance": 9,
     "motion.settle": 0.1,
 }
 result = ff.run("slide-dots", changes=changes)

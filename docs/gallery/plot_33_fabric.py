@@ -21,7 +21,7 @@ changes |= {"ask.pressure": False, "ask.spikes": ["FAII"]}
 
 def spectra(ridges):
     """Frequencies in Hz, amplitudes of the strain across the skin and of the rate; mean units."""
-    result = ff.run("slide-fabric", changes=changes | ridges, mechanics="layered")
+    result = ff.run("slide-fabric", changes=changes | ridges)
     time = np.arange(result.time[-1] - distance / speed, result.time[-1], 1e-3)
     depth = np.array([np.interp(time, result.time, each) for each in result.strain[..., 2, 2].T])
     window = np.hanning(len(time)) / len(time) * 4
@@ -34,7 +34,7 @@ def spectra(ridges):
 
 
 figure, axes = plt.subplots(2, sharex=True, figsize=(6.0, 4.6))
-skins = {"smooth skin": {}, "ridges": {"finger.ridges": {"pitch": pitch}}}
+skins = {"smooth skin": {"finger.ridges": None}, "ridges": {"finger.ridges.pitch": pitch}}
 for name, ridges in skins.items():
     frequency, strain, rate = spectra(ridges)
     axes[0].semilogy(frequency, strain, label=name)
