@@ -11,7 +11,8 @@ import fefinger as ff
 from fefinger import afferents
 from fefinger.afferents import fire
 from fefinger.mechanics import get
-from fefinger.mechanics.press.sites import meshed, of_population, place_units, spherical
+from fefinger.mechanics.press.sites import meshed, spherical
+from fefinger.mechanics.press.unit_placement import of_population, place_units
 from fefinger.neural.populations import BESIDE
 from fefinger.pages import report
 from fefinger.scene import builtin

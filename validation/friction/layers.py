@@ -16,7 +16,7 @@ from scipy.signal import resample
 
 from fefinger.contact.stepper import Target
 from fefinger.mechanics.press.layer_grid import StrainProbe
-from fefinger.mechanics.press.sites import of_population, place_units
+from fefinger.mechanics.press.unit_placement import of_population, place_units
 from fefinger.neural.populations import Surface
 from fefinger.results.records import Sites
 from fefinger.scene.scene import Scene
