@@ -38,7 +38,7 @@ from fefinger.studies.tables import (
 )
 from fefinger.support.arrays import Array
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
-from fefinger.theory.contact.hertz import LONGEST, Elliptic
+from fefinger.theory.contact.elliptic import LONGEST, Elliptic
 from fefinger.theory.relaxation import hereditary_integral
 
 

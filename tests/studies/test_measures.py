@@ -16,7 +16,7 @@ from fefinger.scene.schema import split
 from fefinger.studies import study_page
 from fefinger.studies.grid import ERRORS, bounds, words
 from fefinger.studies.measures import SPEED, rows, share
-from fefinger.theory.contact.hertz import Elliptic
+from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 
 

@@ -28,7 +28,7 @@ from fefinger.studies.tables import StudyRows
 from fefinger.support.checks import InputError
 from fefinger.support.processes import cores
 from fefinger.support.text import percent
-from fefinger.theory.contact.hertz import Elliptic
+from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.relaxation import Prony
 
 

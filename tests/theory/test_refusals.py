@@ -11,7 +11,7 @@ from fefinger.validation.thesis.claims import two_pole
 
 from fefinger.calibration import array_sensor as sensor
 from fefinger.theory import relaxation
-from fefinger.theory.contact import hertz, indentation, ting
+from fefinger.theory.contact import elliptic, hertz, indentation, ting
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.lumped import identify
 from fefinger.theory.lumped import spring as lumped
@@ -24,7 +24,7 @@ TIME = np.array([0.0, 0.1, 0.2])
 PRONY = Prony((0.3, 0.7), (10.0,))
 SPRING = Spring(0.2, 2.0)
 HERTZ = hertz.Hertz(10.0, 0.4, 34.0, 0.45)
-ELLIPTIC = hertz.Elliptic(20.0, 10.0, 0.3, 34.0, 0.4)
+ELLIPTIC = elliptic.Elliptic(20.0, 10.0, 0.3, 34.0, 0.4)
 STACK = Stack((Layer(1.0, 100.0, 0.48), Layer(4.0, 34.0, 0.48)))
 CONTACT = indentation.paraboloid(STACK, 10.0, contact_radius=2.0)
 PAD = fingerpad.Fingerpad(14.0, 1.9, 1.9, PRONY)

@@ -23,7 +23,8 @@ from fefinger.validation.oracles.sphere import Sphere
 
 from fefinger.scene.motions import Sinusoid
 from fefinger.theory.contact import ting
-from fefinger.theory.contact.hertz import Elliptic, Hertz
+from fefinger.theory.contact.elliptic import Elliptic
+from fefinger.theory.contact.hertz import Hertz
 from fefinger.theory.contact.indentation import Contact, paraboloid
 from fefinger.theory.contact.stack import Layer, Stack
 from fefinger.theory.lumped import spring as lumped

@@ -20,7 +20,7 @@ from fefinger.fem.elements.assembly import Elastic
 from fefinger.fem.elements.spaces import Space
 from fefinger.support.arrays import Array
 from fefinger.theory.contact import indentation
-from fefinger.theory.contact.hertz import Elliptic
+from fefinger.theory.contact.elliptic import Elliptic
 from fefinger.theory.contact.stack import Base, Layer, Stack
 
 

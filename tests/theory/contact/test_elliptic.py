@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from fefinger.theory.contact.hertz import Elliptic, Hertz
+from fefinger.theory.contact.elliptic import Elliptic
+from fefinger.theory.contact.hertz import Hertz
 
 
 RATIOS = pytest.mark.parametrize("ratio", [1.0, 1.0 + 1e-9, 1.2, 2.0, 5.0, 40.0])
