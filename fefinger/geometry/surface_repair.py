@@ -149,11 +149,13 @@ def _face_outward(mesh: "Trimesh") -> bool:
 
     if mesh.is_winding_consistent and mesh.volume > 0:
         return False
-    surface = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
-    oriented = surface.compute_normals(
-        split_vertices=False, consistent_normals=True, auto_orient_normals=True
-    )
-    mesh.faces = np.array(oriented.regular_faces)
+    if not mesh.is_winding_consistent:
+        surface = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
+        oriented = surface.compute_normals(split_vertices=False, consistent_normals=True)
+        mesh.faces = np.array(oriented.regular_faces)
+    # By the volume: VTK looks at the outermost triangle, which on a flat end face rounding decides.
+    if mesh.volume < 0:
+        mesh.invert()
     return True
 
 
