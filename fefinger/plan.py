@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 MODAL = "modal"
 """The mechanics with inertia."""
 
-
 NOT_TIMED = (
     "They are of solving: saving with a report takes some 3 to 10 s more, and compiling, once "
     "after the installation, some 20 s."
@@ -269,7 +268,8 @@ def _check_force(case: Situation) -> None:
 def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
     willing = [rung for rung in rungs if _willing(rung)]
     if willing:
-        return min(willing, key=lambda rung: (_blurs(case, rung.mechanics), rung.seconds))
+        blurs = {each: case.feels_texture and MECHANICS[each].meshed for each in names()}
+        return min(willing, key=lambda rung: (blurs[rung.mechanics], rung.seconds))
     _check_meshable(rungs)
     tiny = "".join(f"{each[0].upper()}{each[1:]}. " for each in unusual(case))
     deepest = case.motion.deepest
@@ -281,13 +281,6 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         f"{relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
-
-
-def _blurs(case: Situation, mechanics: str) -> bool:
-    """Whether a texture slides over a mesh, whose vertices then are what units feel."""
-    felt = case.ask.wants("strain") or bool(case.ask.spikes)
-    texture = case.motion.slides and math.isfinite(case.indenter.feature)
-    return felt and texture and MECHANICS[mechanics].meshed
 
 
 def _check_meshable(rungs: tuple[Rung, ...]) -> None:
@@ -383,9 +376,8 @@ def _sentence(
 ) -> str:
     """Return the choice in words: why, what is computed and built, what was left out."""
     how = "as named" if named else "the cheapest that does not refuse"
-    others = [rung.mechanics for rung in considered if _willing(rung)]
-    if not named and _blurs(case, chosen.mechanics) < any(_blurs(case, name) for name in others):
-        how += " without a mesh, whose vertices units would feel in place of the texture"
+    if not named and case.feels_texture and not MECHANICS[chosen.mechanics].meshed:
+        how = "the cheapest without a mesh that does not refuse: units feel the vertices of a mesh"
     sentence = f"{chosen.mechanics}, {how}. {settings.described}{_built(case, chosen)}"
     sentence += "".join(f" Caution: {each}." for each in unusual(case))
     tried = {rung.mechanics for rung in considered}

@@ -76,17 +76,6 @@ ON_GRID = (
     notes.QUASISTATIC,
 )
 
-BEYOND = (
-    "What sides, tip and bone of the finger yield beyond that is one displacement of the whole "
-    "contact, {compliance:.3g} mm/N, from a press {depth:.2g} mm deep by a {object} on the coarse "
-    "mesh; it does not strain the skin."
-)
-
-NOTHING_BEYOND = (
-    "Sides, tip and bone of the finger yield nothing beyond that, as no mesh could be made of the "
-    "finger: {reason}."
-)
-
 SMOOTH = (
     "The skin is smooth: its ridges ([finger.ridges]) and {others} are left out. Over textures "
     "FAII fire because of such causes."
@@ -298,8 +287,9 @@ def cost(case: Situation) -> float:
     organs = costs.organs(case.ask) if case.ask.population is not None else 0.0
     spent += organs * len(case.times) * costs.seconds(ON_A_GRID, "sample")
     spent += costs.seconds(ON_A_GRID, "setup")
-    coarse = case.on(RESOLUTIONS[0])  # the press of the finger for what it yields beyond layers
-    return spent + costs.seconds("linear", "setup", coarse.mesh) + costs.mesh_seconds(coarse)
+    coarse = case.on(RESOLUTIONS[0])  # whose press says what the finger yields beyond its layers
+    spent += costs.mesh_seconds(coarse, follow=False)
+    return spent + costs.seconds("linear", "setup", coarse.mesh)
 
 
 once, coarser = hertz.once, hertz.coarser
@@ -356,10 +346,8 @@ def _plate(finger: Finger) -> "ContactTable":
 
 def causes(finger: Finger, indenter: Indenter) -> list[str]:
     """Return in words which causes of spikes over textures an answer on a grid has."""
-    ridges, others = (
-        finger.raised_ridges,
-        "inertia" if indenter.friction else "friction and inertia",
-    )
+    ridges = finger.raised_ridges
+    others = "inertia" if indenter.friction else "friction and inertia"
     if ridges is None:
         found = [SMOOTH.format(others=others)]
     else:
@@ -386,11 +374,12 @@ def inertia(case: Situation) -> tuple[str, ...]:
 
 def respond_on_grid(scene: Scene, progress: Progress | None = None) -> Response:
     """Solve the scene on a grid, whatever its object: as `respond` solves those that need one."""
-    from fefinger.mechanics.press import layer_press
+    from fefinger.mechanics.press import beyond_layers, layer_press
 
     finger, indenter, stages = scene.finger, scene.indenter, Stages(progress)
+    layers = grid(finger, indenter, scene.motion, scene.ask)
     with stages.stage("body"):
-        body, yields = _on_finger(scene)
+        body, yields = beyond_layers.on_finger(layers, finger, indenter)
     left_out = (*causes(finger, indenter), *inertia(Situation.of(scene)))
     return layer_press.respond(
         scene,
@@ -406,25 +395,3 @@ def respond_on_grid(scene: Scene, progress: Progress | None = None) -> Response:
             *notes.normalization_notes(finger.prony),
         ),
     )
-
-
-def _on_finger(scene: Scene) -> "tuple[LayerGrid, str]":
-    """Return the grid of a scene with what the finger yields beyond its layers, and that as text.
-
-    Where no mesh can be made of the finger the layers are alone.
-    """
-    from fefinger.mechanics.press import beyond_layers
-
-    finger, indenter = scene.finger, scene.indenter
-    layers = grid(finger, indenter, scene.motion, scene.ask)
-    smooth, by = beyond_layers.alone(finger), beyond_layers.pressed_by(finger, indenter)
-    try:
-        beyond = beyond_layers.compliance(smooth, layers.layers, by)
-    except InputError as error:
-        return layers, NOTHING_BEYOND.format(reason=error)
-    said = BEYOND.format(
-        compliance=beyond / NEWTON_PER_MILLINEWTON,
-        depth=beyond_layers.PART * finger.thickness,
-        object="ball" if by.flat is None else "plate",
-    )
-    return replace(layers, beyond=beyond), said

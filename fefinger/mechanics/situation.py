@@ -90,6 +90,12 @@ class Situation:
         """Number of time steps in which the contact changes."""
         return moving(self.motion, self.times)
 
+    @property
+    def feels_texture(self) -> bool:
+        """Whether strain or spikes are asked where a texture slides over the skin."""
+        felt = self.ask.wants("strain") or bool(self.ask.spikes)
+        return felt and self.motion.slides and math.isfinite(self.indenter.feature)
+
     @cached_property
     def too_long(self) -> tuple[Reason, ...]:
         """Reasons against time steps of the motion that exceed memory; empty if they fit."""

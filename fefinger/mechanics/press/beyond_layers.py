@@ -7,9 +7,9 @@ by the plate of the object, or by a ball at its place.
 """
 
 from dataclasses import replace
-from functools import lru_cache
 
 from fefinger.mechanics.press import small_strain
+from fefinger.mechanics.press.layer_grid import LayerGrid
 from fefinger.mechanics.press.operator import METHOD
 from fefinger.scene.ask import Ask
 from fefinger.scene.finger import RESOLUTIONS, Finger
@@ -17,6 +17,7 @@ from fefinger.scene.indenter import Indenter
 from fefinger.scene.indenters import Flat, Sphere
 from fefinger.scene.motions import Ramp
 from fefinger.scene.scene import Scene
+from fefinger.support.checks import InputError
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.theory.contact.contact_table import tabulate_to
 from fefinger.theory.contact.stack import Stack
@@ -32,6 +33,35 @@ BALL = 0.8
 
 ELASTIC = Prony((1.0,), ())
 
+BEYOND = (
+    "What sides, tip and bone of the finger yield beyond that is one displacement of the whole "
+    "contact, {compliance:.3g} mm/N, from a press {depth:.2g} mm deep by a {object} on the coarse "
+    "mesh; it does not strain the skin."
+)
+
+NOTHING_BEYOND = (
+    "Warning: what sides, tip and bone of the finger yield beyond that is left out, and the stated "
+    "error does not hold, since its coarse mesh could not be pressed: {reason}."
+)
+
+
+def on_finger(grid: LayerGrid, finger: Finger, indenter: Indenter) -> tuple[LayerGrid, str]:
+    """Return a grid of layers with what the finger yields beyond them, and a note on that.
+
+    A finger whose mesh cannot be made or pressed leaves the layers alone, which the note warns of.
+    """
+    by = pressed_by(finger, indenter)
+    try:
+        beyond = compliance(alone(finger), grid.layers, by)
+    except InputError as error:
+        return grid, NOTHING_BEYOND.format(reason=error)
+    note = BEYOND.format(
+        compliance=beyond / NEWTON_PER_MILLINEWTON,
+        depth=PART * finger.thickness,
+        object="ball" if by.flat is None else "plate",
+    )
+    return replace(grid, beyond=beyond), note
+
 
 def alone(finger: Finger) -> Finger:
     """Return the finger that is pressed: coarse, elastic, and with a smooth pad."""
@@ -46,7 +76,6 @@ def pressed_by(finger: Finger, indenter: Indenter) -> Flat | Sphere:
     return Flat(plate.angle, plate.tilt)
 
 
-@lru_cache(maxsize=32)
 def compliance(finger: Finger, layers: Stack, indenter: Flat | Sphere) -> float:
     """Return the displacement in mm per mN of the finger beyond that of its layers.
 
