@@ -101,7 +101,7 @@ class GridStepper(Stepper):
         return load_history(self.history, dt)
 
     def _past(self, g: float) -> Array:
-        """Return what the past moves, times the stiffness g of the step."""
+        """Return the displacement that the past leaves, times the stiffness g of the step."""
         return self.history.moved_past
 
     def _finish(self, dt: float, g: float) -> None:

@@ -300,7 +300,7 @@ class _PathSolver:
         return replace(guess, pressure=np.maximum(guess.pressure, 0.0), traction=traction)
 
     def _part(self, shift: Array) -> float:
-        """Return how far a step along the path goes, over the step before it; 1 in a rest."""
+        """Return the length of a step along the path over the step before it; 1 in a rest."""
         last, now = self.state.shift - self.previous.shift, shift - self.state.shift
         if not last.any():
             return 0.0 if now.any() else 1.0
