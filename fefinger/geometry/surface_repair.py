@@ -155,7 +155,7 @@ def _face_outward(mesh: "Trimesh") -> bool:
         mesh.faces = np.array(oriented.regular_faces)
     # By the volume: VTK looks at the outermost triangle, which on a flat end face rounding decides.
     if mesh.volume < 0:
-        mesh.invert()
+        mesh.faces = mesh.faces[:, ::-1].copy()  # mesh.invert() keeps normals that it had computed
     return True
 
 

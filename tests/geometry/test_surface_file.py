@@ -109,6 +109,15 @@ def test_an_inward_scan_is_turned_outward_whatever_its_last_digits_are(tmp_path:
         notes, _ = close(each, "surface: scan", behind=0.0, place=near)
         assert notes == ("Triangles that faced inward were turned outward.",)
         assert each.volume == pytest.approx(-scan.volume, rel=1e-6)
+        corners = each.vertices[each.faces]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (np.einsum("ij,ij->i", each.face_normals, across) > 0.0).all()
+    inward = read_surface(tmp_path / "scan.stl")
+    scan.faces = scan.faces[:, ::-1].copy()
+    scan.export(tmp_path / "outward.stl")
+    outward = read_surface(tmp_path / "outward.stl")
+    assert inward.width == pytest.approx(outward.width, rel=0.01)
+    assert inward.thickness == pytest.approx(outward.thickness, rel=0.01)
 
 
 def cut_open(mesh: Any) -> Any:
