@@ -12,7 +12,7 @@ has.
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import count, pairwise
 
 import numpy as np
 
@@ -28,6 +28,8 @@ Curve = Callable[[Array], Array]
 BY_DISTANCE = 8  # steps to the peak of the motion, of equal distances
 BY_TIME = 16  # more of them, of equal times: tissue relaxes in slow corners and at turns
 SPRING_ERROR = 5e-3  # of the peak, by which a spring may be wrong between its steps
+PATIENCE = 8  # times that steps are divided where a spring is wrong; motions of scenes take four
+NEARLY = 0.8  # wrong by this part, they are divided too from then on: else a cycle after the other
 ONSET = 1.5  # path to gross slip over friction and depth, of incompressible bodies (Mindlin)
 STRIDE = 0.25  # mm between steps, where an object that is no plate slides
 PER_FEATURE = 4  # steps over its narrowest part
@@ -122,11 +124,12 @@ def load_steps(
     for prony in relaxations:
         exact = _spring(prony, motion, time, steps.path)
         limit = SPRING_ERROR / refine**2 * np.abs(exact).max(axis=0)
-        while True:
+        for tried in count():
             few = _spring(prony, motion, steps.times, steps.value)
             spring = np.column_stack([steps.bounded(few[:, 0]), steps.smooth(few[:, 1])])
-            more = _halves(steps, (np.abs(spring - exact) > limit).any(axis=1))
-            if not len(more):
+            off = (np.abs(spring - exact) / limit).max(axis=1)
+            more = _halves(steps, off > (1.0 if tried < PATIENCE else NEARLY))
+            if off.max() <= 1.0 or not len(more):
                 break
             steps = _with(steps, more, motion.breakpoints)
     return steps
