@@ -93,9 +93,9 @@ class Fabric(Indenter):
     @cached_property
     def least_radius(self) -> float:
         """The radius in mm of its sharpest crest, of places a sample apart."""
-        lines = self.tile / len(self.heights) * np.arange(len(self.heights))
-        places = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
-        return profiles.sharpest_radius(self.profile, places)
+        n = len(self.heights)
+        lines = self.tile / n * np.arange(n, dtype=np.float64)
+        return self.profile.relief.sharpest_radius(lines, lines)
 
     def describe(self) -> str:
         """Return "a rigid fabric", with its yarns and fibers."""

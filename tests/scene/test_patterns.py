@@ -294,3 +294,20 @@ def test_a_relief_of_too_many_heights_is_refused_before_they_are_looked_at() -> 
     lines = np.arange(1100.0)
     with refused("indenter.heights"):
         ff.Relief.of(None, lines, lines)
+
+
+def test_the_sharpest_crest_of_a_relief_on_lines_is_that_of_all_their_crossings() -> None:
+    rng = np.random.default_rng(2)
+    u, v = np.cumsum(rng.uniform(0.1, 0.3, 12)), np.cumsum(rng.uniform(0.1, 0.3, 9))
+    relief = Relief(u, v, rng.uniform(0, 0.2, (12, 9)))
+    fine = np.linspace(u[0], u[-1], 40), np.linspace(v[0], v[-1], 31)
+    places = np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1).reshape(-1, 2)
+    expected = sharpest_radius(relief, places)
+    assert relief.sharpest_radius(*fine) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("one", [ff.Fabric(), ff.Relief.of(lambda x, y: x * y, *[range(5)] * 2)])
+def test_the_sharpest_crest_is_not_looked_for_place_by_place(one, monkeypatch) -> None:
+    """The 2 million places of a coarse weave, or of a relief of 250 x 250, took 10 s."""
+    monkeypatch.setattr(Relief, "height", None)
+    assert 0 < one.least_radius < 10
