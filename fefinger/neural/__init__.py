@@ -9,6 +9,7 @@ work on the spikes of a run, `ff.run(scene).spikes` and its `times`:
     from fefinger.neural import locking, psth
 """
 
+from fefinger.neural.spectra import signal_spectrum, spike_spectrum
 from fefinger.neural.statistics import (
     interval_variation,
     intervals,
@@ -28,6 +29,8 @@ __all__ = [
     "mean_rates",
     "per_cycle",
     "psth",
+    "signal_spectrum",
+    "spike_spectrum",
     "van_rossum",
     "victor_purpura",
 ]

@@ -29,6 +29,7 @@ from fefinger.view import (
     renderer,
     section_figure,
     spatial_figures,
+    spectrum_figure,
 )
 
 
@@ -183,10 +184,9 @@ def _parts(result: ResultRecord) -> Iterator[Part]:
             text = f"{text} Measured: {misfit}."
         yield _part("force", "Force and depth", text, figures.force(result))
     if result.pad is not None and result.pressure is not None:
-        text = (
-            f"Contact pressure at {result.peak_name}, seen along the z axis; lines show the mesh. "
-            f"{_top_pressure(result)}"
-        )
+        lines = "; lines show the mesh" if result.meshed else ""
+        text = f"Contact pressure at {result.peak_name}, seen along the z axis{lines}. "
+        text = f"{text}{_top_pressure(result)}"
         part = _part("pressure", "Pressure on the pad", text, spatial_figures.pressure_map(result))
         yield part | {"narrow": True}
     if result.contact_area is not None or result.centroid is not None:
@@ -217,20 +217,23 @@ def _parts(result: ResultRecord) -> Iterator[Part]:
         )
         yield _part("current", "From strain to current", text, figures.currents(result))
         yield _spikes(result)
+        if found := spectrum_figure.even_slide(result):
+            text = spectrum_figure.caption(found)
+            yield _part("spectrum", "Spectrum", text, spectrum_figure.draw(result, found))
         if result.scene.motion.slides and result.spikes.positions is not None:
             yield from _on_object(result)
 
 
 def _top_pressure(result: ResultRecord) -> str:
-    """Return sentences on the highest pressure of all times, over 1 mm² and at a vertex."""
+    """Return sentences on the highest pressure of all times, over 1 mm² and at one point."""
     assert result.pad is not None
     assert result.pressure is not None
     step = int(np.argmax(result.pressure.max(axis=1)))
     top, when = result.pressure[step].max(), key_numbers.format_instant(result.time[step])
     mean, _ = highest(result.pad, result.pressure)
     return (
-        f"The highest pressure of all times is {mean:.3g} kPa over 1 mm²; at a single vertex of "
-        f"the mesh, which is less certain, it is at most {top:.3g} kPa, at {when}."
+        f"The highest pressure of all times is {mean:.3g} kPa over 1 mm²; at {result.one_point} "
+        f"alone, which is less certain, it is at most {top:.3g} kPa, at {when}."
     )
 
 
@@ -301,7 +304,7 @@ def _section(result: ResultRecord) -> Part:
             top = quantities.values(result, field, frame)[soft].max()
             caption = (
                 f"{field.capitalize()} {where}, {when}: at most {top:.3g} {quantities.unit(field)} "
-                "at a vertex of the mesh."
+                f"at {result.one_point}."
             )
             drawn.append({"source": _screenshot(result, field), "caption": caption})
     title = "A section through the finger"

@@ -158,6 +158,16 @@ class ResultRecord:
         return self.response.pressure
 
     @property
+    def meshed(self) -> bool:
+        """Whether pressure is known at the vertices of a mesh, not at the points of a grid."""
+        return MECHANICS[self.response.mechanics].meshed
+
+    @property
+    def one_point(self) -> str:
+        """What a highest pressure at one place is that of, in words."""
+        return "a vertex of the mesh" if self.meshed else "a point of the grid"
+
+    @property
     def sites(self) -> Sites | None:
         """The end-organ sites."""
         return self.response.sites

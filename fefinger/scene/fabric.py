@@ -81,6 +81,11 @@ class Fabric(Indenter):
         return profiles.Tiled(relief, self.tile)
 
     @property
+    def repeats(self) -> tuple[float, float]:
+        """The distance in mm of the yarns, along both."""
+        return self.yarn, self.yarn
+
+    @property
     def feature(self) -> float:
         """Width in mm of a crown at half its height."""
         return self.yarn / 2

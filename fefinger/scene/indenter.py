@@ -242,6 +242,11 @@ class Indenter(ABC):
         return float("inf")
 
     @property
+    def repeats(self) -> tuple[float, float]:
+        """Distances in mm along its own x and y after which raised parts come again; inf: none."""
+        return float("inf"), float("inf")
+
+    @property
     def raised(self) -> bool:
         """Whether it is a plate with raised parts whose crests have a stated radius."""
         return False

@@ -74,6 +74,11 @@ class Grating(Indenter):
         return min(self.ridge, self.period - self.ridge)
 
     @property
+    def repeats(self) -> tuple[float, float]:
+        """The period in mm across the ridges."""
+        return self.period, float("inf")
+
+    @property
     def narrowest(self) -> float:
         """The width in mm of its ridges or of the grooves between them."""
         return self.feature
@@ -144,6 +149,11 @@ class Dots(Raised):
     def tile(self) -> float:
         """Side in mm of the square that repeats."""
         return self.spacing * (1 if self.arrangement == "grid" else TILE)
+
+    @property
+    def repeats(self) -> tuple[float, float]:
+        """The spacing in mm of a grid; random dots have none."""
+        return (self.spacing if self.arrangement == "grid" else float("inf"),) * 2
 
     @cached_property
     def centers(self) -> Array:

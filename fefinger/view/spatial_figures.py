@@ -310,7 +310,9 @@ def pressure_map(result: ResultRecord) -> "Figure":
             pad_mesh, pressure, shading="gouraud", rasterized=True,
             cmap=quantities.SKIN_DEEP, vmin=0, vmax=max(pressure.max(), 1e-9),
         )  # fmt: skip
-        axis.triplot(pad_mesh, color=STEEL, linewidth=0.25, alpha=0.5)
+        # The lines of a grid would be one gray.
+        if result.meshed:
+            axis.triplot(pad_mesh, color=STEEL, linewidth=0.25, alpha=0.5)
         if result.centroid is not None:
             place, color = result.centroid[step], "#0072B2"
             for width, shade in ((4.5, "white"), (2.0, color)):
@@ -322,8 +324,8 @@ def pressure_map(result: ResultRecord) -> "Figure":
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axis.set(xlabel="x (distal) / mm", ylabel="y (radial) / mm")
         axis.set_title(
-            f"t = {result.time[step]:.4g} s: at most {pressure.max():.3g} kPa at a vertex, "
-            f"force {result.response.force[step]:.3g} N"
+            f"t = {result.time[step]:.4g} s: at most {pressure.max():.3g} kPa at "
+            f"{result.one_point}, force {result.response.force[step]:.3g} N"
         )
         drawn.colorbar(drawn_map, label="contact pressure / kPa", shrink=0.85)
         return drawn

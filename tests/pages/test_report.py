@@ -15,7 +15,7 @@ from fefinger.results.pressure import highest
 from fefinger.results.records import Rung
 from fefinger.scene.motions import Ramp, RampHold, RampSinusoid
 from fefinger.scene.scene import Scene
-from fefinger.view import figures, renderer
+from fefinger.view import figures, renderer, spatial_figures
 
 
 def page(result, folder):
@@ -116,6 +116,24 @@ def test_the_first_tiles_are_the_numbers_that_matter_with_their_errors(synthetic
     assert f"at most {top:.3g} kPa, at {when}." in html
     mean, _ = highest(synthetic.pad, synthetic.pressure)
     assert f"{mean:.3g} kPa over 1 mm²" in html
+
+
+@pytest.mark.usefixtures("words_alone")
+def test_pressure_is_at_vertices_of_a_mesh_or_at_points_of_a_grid_without_lines(
+    synthetic, tmp_path
+):
+    layers = dataclasses.replace(synthetic.response, mechanics="layered")
+    gridded = dataclasses.replace(synthetic, response=layers)
+    for result, point, lines in (
+        (synthetic, "a vertex of the mesh", 1),
+        (gridded, "a point of the grid", 0),
+    ):
+        html = page(dataclasses.replace(result, spikes=None), tmp_path)
+        assert f"at {point} alone" in html
+        assert html.count("lines show the mesh") == lines
+        axis = spatial_figures.pressure_map(result).axes[0]
+        assert point in axis.get_title(loc="left")
+        assert any(line.get_linewidth() < 0.5 for line in axis.lines) == bool(lines)
 
 
 @pytest.mark.usefixtures("words_alone")

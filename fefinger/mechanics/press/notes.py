@@ -253,7 +253,7 @@ def told(time: Array, area: Array, stick: Array, shift: Array, moving: Flags, co
             end = "" if slips[-1] else "; at the end of the path some stick"
             return (
                 f"Gross slip: from {first:.4g} s on, with the indenter moved by {path:.3g} mm, "
-                f"no vertex sticks{held}{end}, {law}."
+                f"no point of the skin sticks{held}{end}, {law}."
             )
     if not touching.any():
         return f"Friction: no contact while the indenter moves, {law}."
