@@ -1,6 +1,6 @@
 """Measure what ridges of the skin and friction add to rates over dots, and how sure that is.
 
-Run as `python -m fefinger.validation.evidence.ridges reports`: some five minutes. Nothing is
+Run as `python -m fefinger.validation.evidence.ridges reports`: some seven minutes. Nothing is
 fitted: units, dots and the finger are those of the suite `friction`. A rate is the mean over draws
 of the gains and the noise of the units, of which some ten of a type count: one draw alone moves the
 rate of FAII by a third.
@@ -101,13 +101,13 @@ class Scan:
         return {"at_speed_over_pitch": float(waves[near].max()), "at_dots": float(waves[1])}
 
 
-def of_spacings(ridges: Ridges | None) -> dict[str, Any]:
+def of_spacings(ridges: Ridges | None, friction: float = 0.0) -> dict[str, Any]:
     """Return the rates of each type at the spacings of the recordings, and how they compare.
 
     ratio: computed over recorded; correlation over the spacings; modulation: the range of the rates
     over their mean, over the same of the recorded ones.
     """
-    each = [Scan(spacing, ridges).rates() for spacing in dots.SPACINGS]
+    each = [Scan(spacing, ridges, friction=friction).rates() for spacing in dots.SPACINGS]
     places, out = np.array(dots.SPACINGS), dict[str, Any]()
     for kind, at in dots.recorded().items():
         rates, recorded = np.array([one["mean"][kind] for one in each]), np.interp(places, *at)
@@ -127,7 +127,6 @@ def at_one_spacing() -> dict[str, Any]:
     ridged, smooth = Scan(AT, Ridges()), Scan(AT, None)
     held = Scan(AT, Ridges(), friction=FRICTION)
     varied = {name: Scan(AT, each).rates() for name, each in VARIED.items()}
-    varied[f"friction {FRICTION:g}"] = held.rates()
     lines = {"smooth": smooth, "ridges": ridged, "ridges and friction": held}
     return {
         "varied_Hz": varied,
@@ -156,6 +155,7 @@ def report() -> dict[str, Any]:
     }
     with grid(POINTS, SPACING):
         found |= {"ridges": of_spacings(Ridges()), **at_one_spacing()}
+        found |= {"friction": FRICTION, "ridges_and_friction": of_spacings(Ridges(), FRICTION)}
     return found | {
         "finer_grid_Hz": on_other_grid(FINER),
         "coarser_grid_Hz": on_other_grid(1 / FINER),
