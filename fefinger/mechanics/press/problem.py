@@ -221,8 +221,9 @@ def of_texture(scene: Scene, body: Solid, obstacle: Obstacle) -> Iterator[str]:
     if not ((slides or indenter.raised) and np.isfinite(indenter.feature)):
         return
     corners = body.space.points[body.pad]
-    # Facets are measured within 4 mm of first touch.
-    near = np.linalg.norm(corners.mean(axis=1) - obstacle.first_touch, axis=1) < 4.0
+    # Facets are measured within 4 mm of first touch: the nearest, if waves as high keep it away.
+    away = np.linalg.norm(corners.mean(axis=1) - obstacle.first_touch, axis=1)
+    near = away <= max(4.0, away.min())
     facet = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)[near].mean())
     part = indenter.feature / facet
     size = f"its smallest part / facet = {indenter.feature:.2g} / {facet:.2g} mm = {part:.2g}"

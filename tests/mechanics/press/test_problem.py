@@ -15,7 +15,7 @@ from fefinger.fem.linalg.system import System
 from fefinger.mechanics.press.finite_strain import FINITE_STRAIN
 from fefinger.mechanics.press.mesh_limits import FORCE_DEPTH
 from fefinger.mechanics.press.operator import METHOD
-from fefinger.mechanics.press.problem import Press, SolutionMethod
+from fefinger.mechanics.press.problem import Press, SolutionMethod, of_texture
 from fefinger.mechanics.press.small_strain import WHOLE_MESH
 from fefinger.support.progress import Stages
 
@@ -87,6 +87,15 @@ def test_every_mechanics_makes_its_press_in_the_same_way() -> None:
         np.testing.assert_allclose(other.obstacle.origin, whole.obstacle.origin, atol=1e-12)
         assert other.notes == whole.notes
         assert other.notes[0] == "a note"
+
+
+def test_a_texture_that_first_touches_far_from_the_pad_is_held_against_the_nearest_facet() -> None:
+    """Waves 45 mm high touch first where no facet is; a mean of none was a warning of NumPy."""
+    placed = press()
+    textured = ff.Scene(finger=FINGER, indenter=ff.Fabric(), motion=placed.motion)
+    away = placed.obstacle.first_touch + np.array([0.0, 0.0, -20.0])
+    (note,) = of_texture(textured, placed.body, replace(placed.obstacle, touched=away))
+    assert "finer than the mesh resolves" in note
 
 
 @pytest.mark.usefixtures("operators")
