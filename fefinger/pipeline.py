@@ -111,6 +111,6 @@ def _answer(scene: "Scene", plan: "Plan", progress: "Progress | None") -> "Resul
             since = scene.motion.recorded_from
             spikes = fire(scene.ask, response, since=since) if scene.ask.spikes else None
         if spikes is not None:
-            with stages.stage("mesh check"):
+            with stages.stage("spike check"):
                 spikes = checked(spikes)
     return Result.of(scene, plan, response, spikes, stages.seconds)

@@ -40,10 +40,13 @@ Part = dict[str, object]
 """A section of the report: key, title, text, picture, and perhaps more `pictures`."""
 
 STANDING = (
-    "No ridges and no papillae: the skin is smooth, and an end organ is a point in it.",
-    "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle.",
+    "One touch: no history of earlier touches, no blood flow, no temperature, no active muscle."
 )
 """Limits of every mechanics, listed after the notes of the result."""
+
+PLAIN = "No ridges and no papillae: the skin is smooth, and an end organ is a point in it."
+RIDGED = "No papillae: an end organ is a point in the skin."
+"""Limits of skin without and with ridges."""
 
 RUBS = "No sweat: friction does not depend on time, speed or the pressure of fluid."
 SMOOTH = "No sweat and no friction: the contact carries pressure only."
@@ -61,7 +64,9 @@ def write(result: ResultRecord, path: str | PathLike[str]) -> None:
     """Write the report on `result` to the HTML file `path`."""
     cautions = [f"{text[0].upper()}{text[1:]}." for text in key_numbers.cautions(result)]
     friction = result.lateral is not None and result.lateral.work is not None
-    notes = (*result.notes, RUBS if friction else SMOOTH, *STANDING, *_chance(result))
+    skin = PLAIN if result.scene.finger.raised_ridges is None else RIDGED
+    limits = (RUBS if friction else SMOOTH, skin, STANDING)
+    notes = (*result.notes, *limits, *_chance(result))
     html = page.render(
         "report.html",
         title=result.scene.name,

@@ -118,10 +118,14 @@ def test_input_in_um_and_spikes_are_drawn_with_their_lines(slid):
     assert "20 mm/s" in spectrum_figure.caption(even)
 
 
-def test_the_report_of_an_even_slide_has_the_spectrum(slid, tmp_path, monkeypatch):
+def test_the_report_of_an_even_slide_has_the_spectrum_and_does_not_deny_ridges(
+    slid, tmp_path, monkeypatch
+):
     monkeypatch.setattr(renderer, "renderer_lacking", lambda: "No renderer.")
     monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
     report.write(slid, tmp_path / "report.html")
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert '<section id="spectrum"' in html
     assert "the object slides at 20 mm/s, from" in html
+    assert "No papillae: an end organ is a point" in html
+    assert "No ridges" not in html
