@@ -260,6 +260,23 @@ class Motion(ABC):
         return merged(span for each in (self.trajectory, *self.paths) for span in each.moving)
 
     @property
+    def even_spans(self) -> tuple[tuple[float, float], ...]:
+        """Intervals (t0, t1) in s in which it keeps one velocity across its travel, within 1 %."""
+        knots, spans = np.array(self.breakpoints), list[tuple[float, float]]()
+        first, middle = self.velocity(knots[:-1]), self.velocity((knots[1:] + knots[:-1]) / 2)
+        start, kept = 0.0, np.zeros(2)
+        for i, velocity in enumerate(middle):
+            # Between two knots the velocity changes linearly.
+            allowed = 0.01 * float(np.hypot(*velocity))
+            even = bool(np.hypot(*(first[i] - velocity)) < allowed)
+            if even and np.hypot(*(velocity - kept)) < allowed:
+                continue
+            if kept.any():
+                spans.append((start, float(knots[i])))
+            start, kept = float(knots[i]), velocity if even else np.zeros(2)
+        return (*spans, (start, float(knots[-1]))) if kept.any() else tuple(spans)
+
+    @property
     def recorded_from(self) -> float:
         """Time in s from which spikes count: after the preparation of an experiment."""
         return 0.0

@@ -1,13 +1,11 @@
 """Spectra of what drives the units and of their spikes, while a texture slides at one velocity."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from fefinger.neural.spectra import signal_spectrum, spike_spectrum
 from fefinger.results.result_record import ResultRecord
-from fefinger.scene.motion import Motion
 from fefinger.scene.scene import Scene
 from fefinger.support.arrays import Array
 from fefinger.view.figures import COLORS, INK, STEEL, WIDE, figure, of_each, strongest, style
@@ -21,12 +19,8 @@ if TYPE_CHECKING:
 PERIODS = 5
 """Least number of periods in the span of a spectrum."""
 
-EVEN = 0.01
-"""Part of a velocity by which it may change and count as one."""
-
-
-PERIOD = "speed / period"
-"""Name of a frequency at which the object repeats."""
+PERIOD, RIDGES = "speed / period", "speed / ridge pitch"
+"""Names of the frequencies at which the object repeats, and at which it meets ridges."""
 
 
 class EvenSlide(NamedTuple):
@@ -47,30 +41,12 @@ def even_slide(result: ResultRecord) -> EvenSlide | None:
     if spikes is None or not scene.motion.slides:
         return None
     low, high = max(spikes.t_start, spikes.time[0]), min(spikes.t_stop, spikes.time[-1])
-    clipped = ((max(a, low), min(b, high)) for a, b in even_spans(scene.motion))
+    clipped = ((max(a, low), min(b, high)) for a, b in scene.motion.even_spans)
     start, stop = max(clipped, key=lambda span: span[1] - span[0], default=(0.0, 0.0))
     velocity = scene.motion.velocity((start + stop) / 2)
     found = meetings(scene, velocity).items()
     marks = {what: each for what, each in found if each * (stop - start) >= PERIODS}
     return EvenSlide(float(start), float(stop), velocity, marks) if marks else None
-
-
-def even_spans(motion: Motion) -> Iterator[tuple[float, float]]:
-    """Yield the spans in s in which a motion keeps one velocity across its travel."""
-    knots = np.array(motion.breakpoints)
-    firsts, middles = motion.velocity(knots[:-1]), motion.velocity((knots[1:] + knots[:-1]) / 2)
-    start, kept = 0.0, np.zeros(2)
-    for knot, first, middle in zip(knots, firsts, middles, strict=False):
-        # Within a segment the velocity changes linearly.
-        allowed = EVEN * float(np.hypot(*middle))
-        even = bool(np.hypot(*(first - middle)) < allowed)
-        if even and np.hypot(*(middle - kept)) < allowed:
-            continue
-        if kept.any():
-            yield start, float(knot)
-        start, kept = float(knot), middle if even else np.zeros(2)
-    if kept.any():
-        yield start, float(knots[-1])
 
 
 def meetings(scene: Scene, velocity: Array) -> dict[str, float]:
@@ -87,20 +63,24 @@ def meetings(scene: Scene, velocity: Array) -> dict[str, float]:
         turn = np.radians(ridges.direction)
         across = abs(float(velocity @ [np.cos(turn), np.sin(turn)]))
         met = across if ridges.shape == "straight" else float(np.hypot(*velocity))
-        found["speed / ridge pitch"] = met / ridges.pitch
+        found[RIDGES] = met / ridges.pitch
     return found
 
 
 def caption(slide: EvenSlide) -> str:
     """Return what the figure shows, in words."""
-    return (
+    text = (
         f"Amplitudes while the object slides at {np.hypot(*slide.velocity):.3g} mm/s, from "
         f"{slide.start:.3g} to {slide.stop:.3g} s, with a Hann window: of the input of the end "
         "organs, of the unit of each type with the largest current; and of the firing rate, as the "
         "root mean square over all units of each type, to which spikes at any time add a level "
-        "floor. What repeats has lines at multiples of the first frequency alone (dotted); ridges "
-        "of the skin raise those beside their own."
+        "floor."
     )
+    if any(what.startswith(PERIOD) for what in slide.marks):
+        text += f" An object that repeats has lines at multiples of {PERIOD} alone (dotted)."
+    if RIDGES in slide.marks:
+        text += f" Ridges of the skin raise what lies about {RIDGES}."
+    return text
 
 
 def draw(result: ResultRecord, slide: EvenSlide) -> "Figure":

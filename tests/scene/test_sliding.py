@@ -179,3 +179,18 @@ def test_the_other_mechanics_name_the_field_that_they_have_no_answer_for(mechani
     )
     lateral = [each for each in refusals if each.field in {"motion.kind", "indenter.friction"}]
     assert all(each.about == "ability" for each in lateral)
+
+
+def test_each_pass_is_a_span_between_its_corners():
+    there_and_back = ff.Slide(20, 0.5, distance=10, settle=0.1, corner=0.02, passes=2)
+    spans = there_and_back.even_spans
+    start = there_and_back.recorded_from
+    lengths = [(start + 0.02, start + 0.5), (start + 0.52, start + 1.0)]
+    np.testing.assert_allclose(spans, lengths, atol=1e-9)
+
+
+def test_a_path_has_a_span_for_each_velocity_and_none_at_rest():
+    time = (0.0, 0.1, 0.2, 0.4, 0.5, 0.6)
+    path = ff.SampledPath(time, (0, 0, 2, 6, 6, 5), (0.0,) * 6, depth=(0, 0.5, 0.5, 0.5, 0.5, 0.5))
+    spans = path.even_spans
+    np.testing.assert_allclose(spans, [(0.1, 0.4), (0.5, 0.6)], atol=1e-9)
