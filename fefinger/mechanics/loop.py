@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from fefinger.contact.active_set import BEYOND, DONE, TURNED
+from fefinger.contact.active_set import DONE
 from fefinger.contact.frictional import FrictionalContact
 from fefinger.contact.frictionless import FrictionlessContact
 from fefinger.contact.inertial import InertialContact
@@ -24,8 +24,8 @@ from fefinger.contact.readout import X, Y, read, read_contact
 from fefinger.contact.stepper import Target
 from fefinger.fem.contact.obstacle import Rigid
 from fefinger.geometry.profiles import frame
+from fefinger.mechanics.loop_input import FAR, FIXED, failed_step, place, quick_number
 from fefinger.mechanics.loop_setup import SUBSTEP, LoopOptions, prepare
-from fefinger.mechanics.press import mesh_limits
 from fefinger.mechanics.press.prepared import Precision
 from fefinger.mechanics.press.prepared_contacts import TabulatedContact, medial_normal
 from fefinger.neural.stepped import SteppedUnits
@@ -33,38 +33,12 @@ from fefinger.results.records import LoopState, Sites, Step
 from fefinger.scene.finger import Finger
 from fefinger.scene.indenter import Indenter, Plate, direction
 from fefinger.scene.indenters import STANDARD, Flat
-from fefinger.support.checks import ConvergenceError, InputError, boolean, instance, number
+from fefinger.support.checks import InputError, boolean, instance, number
 from fefinger.support.progress import Progress, Stages
 from fefinger.support.registry import AFFERENTS
 from fefinger.support.text import counted
 from fefinger.support.units import NEWTON_PER_MILLINEWTON
 from fefinger.support.vocabulary import FAMILIES
-
-
-LEFT = (
-    "shift: expected a place at which the pad stays on the object, received ({:.4g}, {:.4g}) mm, "
-    "where contact reaches its end; move it less, or take a larger object"
-)
-
-FAR = (
-    "shift: expected a place at most `reach` = {:g} mm from the first one, received "
-    "({:.4g}, {:.4g}) mm; give a larger `reach`"
-)
-
-FIXED = (
-    "{}: expected none, as this object only moves along its axis, received {!r}; make the loop "
-    "with mechanics='condensed' and {}"
-)
-
-TOO_DEEP = (
-    "step: expected contact inside the candidates for a depth of {:g} mm, received contact at "
-    "their rim; make the finger with a larger `deepest`, or press less where the pad ends"
-)
-
-BEYOND_TABLE = (
-    "step: expected at most the `deepest` = {:g} mm of this finger, or the force there, received "
-    "{:g} {}; give a larger `deepest`"
-)
 
 
 STILL = (0.0, 0.0), (0.0, 0.0)
@@ -221,7 +195,7 @@ class Loop:
         target = Target(value, by_force, *pose)
         outcome = self._advance(dt, target)
         if outcome != DONE:
-            raise self._error(outcome, target)
+            raise failed_step(outcome, target, self._contact, self.options, self._newton)
         self._angles = angles
         return self._read(strain=strain)
 
@@ -286,7 +260,7 @@ class Loop:
         target = Target(*self._wanted(depth, force), *self._pose(None, self._angles))
         outcome = self._contact.advance(seconds, target)
         if outcome != DONE:
-            raise self._error(outcome, target)
+            raise failed_step(outcome, target, self._contact, self.options, self._newton)
         return self._read(strain=True)
 
     def _advance(self, dt: float, target: Target) -> int:
@@ -328,7 +302,7 @@ class Loop:
             return STILL
         options, at, pose = self.options, (0.0, 0.0), self._contact.pose
         if shift is not None:
-            at = _place(shift)
+            at = place(shift)
             if options.reach is None and at != (0.0, 0.0):
                 raise InputError(FIXED.format("shift", shift, "`reach`"))
             level = options.known is not None and options.known.profile.level
@@ -375,22 +349,6 @@ class Loop:
             )
         contact.stiffening = value if value > 0.0 else 1.0
 
-    def _error(self, outcome: int, target: Target) -> InputError | ConvergenceError:
-        """Return the error of a step that failed."""
-        contact = self._contact
-        if isinstance(contact, TabulatedContact):
-            value, unit = target.value, "mm"
-            if target.by_force:
-                value, unit = value * self._newton, "N"
-            return InputError(BEYOND_TABLE.format(self.deepest, value, unit))
-        if outcome == TURNED and self.options.reach is not None:
-            return InputError(LEFT.format(*target.shift))
-        if outcome == TURNED:
-            return InputError(mesh_limits.rim_reached(len(contact.pressure)))
-        if outcome == BEYOND:
-            return InputError(TOO_DEEP.format(self.deepest))
-        return ConvergenceError(f"{contact.failures[outcome]}; take shorter steps")
-
     def _read(self, *, strain: bool) -> Step:
         """Read what the present state gives."""
         now, contact, out = self.now, self._contact, self._readout
@@ -431,20 +389,3 @@ def again(kind: type[Loop], options: LoopOptions) -> Loop:
     finger = kind.__new__(kind)
     Loop.__init__(finger, **{each.name: getattr(options, each.name) for each in fields(options)})
     return finger
-
-
-def quick_number(name: str, value: object, least: float = -math.inf, *, unit: str) -> float:
-    """Check a finite number of at least `least` as `checks.number`, in no time if it is one."""
-    if isinstance(value, float) and least <= value < math.inf and value > -math.inf:
-        return value
-    return number(name, value, at_least=None if least == -math.inf else least, unit=unit)
-
-
-def _place(shift: tuple[float, float]) -> tuple[float, float]:
-    """Return the place (2,) mm of the object; InputError if it is not two finite numbers."""
-    try:
-        x, y = shift
-        return quick_number("shift", x, unit="mm"), quick_number("shift", y, unit="mm")
-    except (TypeError, ValueError) as error:
-        message = f"shift: expected two finite numbers in mm, received {shift!r}"
-        raise InputError(message) from error

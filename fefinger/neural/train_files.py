@@ -37,6 +37,64 @@ LISTS = ("types", "names", "notes")
 LATER = ("reruns",)
 """Lists that files of earlier versions lack."""
 
+CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
+
+UNIT_COLUMNS = (
+    *("unit", "type", "x_mm", "y_mm", "z_mm", "depth_mm", "delay_s"),
+    *("count", "count_least", "count_most", "t_start_s", "t_stop_s"),
+)
+"""Columns of the table of units, with their number of spikes from t_start_s to t_stop_s, and the
+least and largest one in other runs."""
+
+OPTIONAL = ("delays", "positions", "depths", "seed", "trial", "rerun_counts")
+
+STORED = ("time", *SIGNALS, *PER_UNIT, *LISTS, *LATER, *OPTIONAL)
+"""Fields of SpikeTrains that files hold as they are."""
+
+UNITS = {
+    "times": "s",
+    "time": "s",
+    "x_in": "mm",
+    "current": "uA/cm2",
+    "peak_mV": "mV",
+    "block_seconds": "s",
+    "stimulus_driven": "1",
+    "delays": "s",
+    "positions": "mm",
+    "depths": "mm",
+    "rerun_counts": "1",
+}
+"""Units of the arrays of SpikeTrains, as stored with them."""
+
+MEANINGS = {
+    "x_in": "input of the end organs, compression positive, linear between its times",
+    "current": "generator current at these times, not linear between them: the membranes were "
+    "given it at more times",
+}
+"""Descriptions of SIGNALS, for file formats that hold descriptions."""
+
+
+def write_npz(path: str | PathLike[str], times: Sequence[Array], given: Mapping[str, Any]) -> None:
+    """Write the spike times (n_spikes,) of units and the other fields of spike trains."""
+    arrays = {name: given[name] for name in STORED if given[name] is not None}
+    arrays |= {name: whole(arrays[name]) for name in ("seed", "trial") if name in arrays}
+    arrays |= {
+        "spikes": np.concatenate(times),
+        "offsets": np.cumsum([0, *map(len, times)]),
+        "span": [given["t_start"], given["t_stop"]],
+        "format": NPZ_FORMAT,
+        "family": given["family"],
+        "units_of_arrays": [f"{name} {unit}" for name, unit in UNITS.items()],
+        "meanings": [f"{name}: {meaning}" for name, meaning in MEANINGS.items()],
+    }
+    with in_place(path) as new, open(new, "wb") as file:
+        np.savez_compressed(file, **arrays)
+
+
+def whole(value: int) -> int | str:
+    """Return a whole number of 0 or more, as text where it has more bits than files hold."""
+    return value if value <= np.iinfo(np.int64).max else str(value)
+
 
 def read_npz(path: str | PathLike[str]) -> dict[str, NDArray[np.generic]]:
     """Read the arrays of a file that `to_npz` wrote."""

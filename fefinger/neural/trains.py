@@ -11,16 +11,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fefinger.neural.train_files import (
-    LATER,
-    LISTS,
-    NPZ_FORMAT,
+    CSV_COLUMNS,
+    MEANINGS,
     PER_UNIT,
     SIGNALS,
+    STORED,
+    UNIT_COLUMNS,
+    UNITS,
     equal,
     fields_of,
     in_place,
     of_extra,
     read_npz,
+    whole,
+    write_npz,
 )
 from fefinger.support.arrays import Array, Integers
 from fefinger.support.checks import InputError, names
@@ -43,40 +47,6 @@ class Rerun(NamedTuple):
 
     change: str
     counts: Integers
-
-
-CSV_COLUMNS = ("unit", "type", "x_mm", "y_mm", "z_mm", "time_s")
-
-UNIT_COLUMNS = (
-    *("unit", "type", "x_mm", "y_mm", "z_mm", "depth_mm", "delay_s"),
-    *("count", "count_least", "count_most", "t_start_s", "t_stop_s"),
-)
-"""Columns of the table of units, with their number of spikes from t_start_s to t_stop_s, and the
-least and largest one in other runs."""
-
-OPTIONAL = ("delays", "positions", "depths", "seed", "trial", "rerun_counts")
-
-UNITS = {
-    "times": "s",
-    "time": "s",
-    "x_in": "mm",
-    "current": "uA/cm2",
-    "peak_mV": "mV",
-    "block_seconds": "s",
-    "stimulus_driven": "1",
-    "delays": "s",
-    "positions": "mm",
-    "depths": "mm",
-    "rerun_counts": "1",
-}
-"""Units of the arrays of SpikeTrains, as stored with them."""
-
-MEANINGS = {
-    "x_in": "input of the end organs, compression positive, linear between its times",
-    "current": "generator current at these times, not linear between them: the membranes were "
-    "given it at more times",
-}
-"""Descriptions of SIGNALS, for file formats that hold descriptions."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -254,24 +224,10 @@ class SpikeTrains:
         """Write all fields to a compressed NPZ file, which `from_npz` reads back bit by bit.
 
         `spikes` holds the times of all units (unit i: from offsets[i] to offsets[i + 1]),
-        `units_of_arrays` the unit of each array as "name unit", `meanings` descriptions of SIGNALS
-        as "name: meaning".
+        `units_of_arrays` the unit of each array, `meanings` descriptions of SIGNALS.
         """
-        stored = ("time", *SIGNALS, *PER_UNIT, *LISTS, *LATER, *OPTIONAL)
-        given = {name: getattr(self, name) for name in stored}
-        arrays = {name: value for name, value in given.items() if value is not None}
-        arrays |= {name: _whole(arrays[name]) for name in ("seed", "trial") if name in arrays}
-        arrays |= {
-            "spikes": np.concatenate(self.times),
-            "offsets": np.cumsum([0, *self.count()]),
-            "span": [self.t_start, self.t_stop],
-            "format": NPZ_FORMAT,
-            "family": self.family,
-            "units_of_arrays": [f"{name} {unit}" for name, unit in UNITS.items()],
-            "meanings": [f"{name}: {meaning}" for name, meaning in MEANINGS.items()],
-        }
-        with in_place(path) as new, open(new, "wb") as file:
-            np.savez_compressed(file, **arrays)
+        given = {name: getattr(self, name) for name in (*STORED, "t_start", "t_stop", "family")}
+        write_npz(path, self.times, given)
 
     @classmethod
     def from_npz(cls, path: str | PathLike[str]) -> Self:
@@ -439,12 +395,7 @@ def _within(count: int, least: int, most: int) -> str:
 def _provenance(trains: SpikeTrains) -> dict[str, object]:
     """Version of the program, seed, trial and notes."""
     source: dict[str, object] = {"source": f"fefinger {version('fefinger')}"}
-    source["trial"] = _whole(trains.trial)
+    source["trial"] = whole(trains.trial)
     if trains.seed is not None:
-        source["seed"] = _whole(trains.seed)
+        source["seed"] = whole(trains.seed)
     return source | {"notes": "\n".join(trains.notes)}
-
-
-def _whole(value: int) -> int | str:
-    """Return a whole number of 0 or more, as text where it has more bits than files hold."""
-    return value if value <= np.iinfo(np.int64).max else str(value)
