@@ -172,7 +172,7 @@ def _distance(
 
     Sizes are numbers or (..., 1), axes (..., 3, 3), origins (..., 3).
     """
-    x, y, z = np.moveaxis((points - origin[..., None, :]) @ np.swapaxes(axes, -1, -2), -1, 0)
+    x, y, z = np.moveaxis(axes @ points.T - axes @ origin[..., None], -2, 0)
     behind = np.maximum(-x / width, 1e-3)
     side, side_slope = _profile(behind, SIDE * blunt, ALONG[0])
     palm, palm_slope = _profile(behind, NEAR_TIP * blunt, ALONG[1])
@@ -180,19 +180,20 @@ def _distance(
     half_y = width / 2 * side
     half_z = thickness * np.where(below, PALM * palm, (1.0 - PALM) * side)
     slope = np.where(below, palm_slope / palm, side_slope / side)
-    one, other = (y / half_y) ** 2, (z / half_z) ** 2
-    gradient = np.stack(
-        [(one * side_slope / side + other * slope) / width, y / half_y**2, z / half_z**2]
-    )
+    across, up = y / half_y**2, z / half_z**2
+    one, other = y * across, z * up
+    along = (one * side_slope / side + other * slope) / width
+    steepness = np.sqrt(along**2 + across**2 + up**2)
     ahead = np.maximum(x + 1e-3 * width, 0.0)  # of the tip, where there are no sections
-    return np.asarray((one + other - 1.0) / 2 / np.linalg.norm(gradient, axis=0).clip(1e-9) + ahead)
+    return np.asarray((one + other - 1.0) / 2 / steepness.clip(1e-9) + ahead)
 
 
 def _profile(behind: Array, reach: float | Array, exponent: float) -> tuple[Array, Array]:
     """Half size (n,) over the largest, and its slope, at distances from the tip."""
     left = np.maximum(1.0 - behind / reach, 0.0)
-    size = np.sqrt(1.0 - left**exponent)
-    return size, exponent * left ** (exponent - 1.0) / (2.0 * reach * size)
+    power = left ** (exponent - 1.0)
+    size = np.sqrt(1.0 - left * power)
+    return size, exponent * power / (2.0 * reach * size)
 
 
 def _sampled(mesh: "Trimesh", count: int) -> tuple[Array, Array]:
@@ -301,7 +302,8 @@ def _fitted(
 
     def slopes(values: Array) -> Array:
         """Return the derivatives (n + 3, 9) of `away`, by differences all at once."""
-        return ((away(values + difference * np.eye(9)) - away(values)) / difference).T
+        here, *there = away(values + difference * np.eye(10, 9, -1))
+        return (np.array(there) - here).T / difference
 
     bounds = np.full(9, np.inf)
     larger = 1.6  # largest ratio of width and thickness to those that a fit starts from
