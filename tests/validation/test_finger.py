@@ -129,6 +129,13 @@ def test_spikes_over_dots_on_ridges_do_not_depend_on_the_grid():
             assert (rates > smooth + 4.0).all()
         else:
             assert rates == pytest.approx(smooth, rel=0.1)
+    for kind in dots.recorded():
+        free, rubbed = (report[skin][kind] for skin in ("ridges", "ridges_and_friction"))
+        change = np.array(rubbed["Hz"]) - free["Hz"]
+        if kind == "FAII":
+            assert (np.abs(change) < free["deviation"]).all()
+        else:
+            assert (np.abs(change) < 0.16 * np.array(free["Hz"])).all()
     swing = report["FAII_input_mm"]
     assert swing["ridges"]["at_speed_over_pitch"] > 20 * swing["smooth"]["at_speed_over_pitch"]
 
