@@ -376,7 +376,7 @@ def _tissue_file(name: str) -> TissueSet:
         msg = f"finger.tissue: expected {expects}, received {name!r}, no TOML: {error}"
         raise InputError(msg) from None
     expected = [field.name for field in fields(TissueSet)]
-    reject_unknown(f"finger.tissue ({name})", table, expected)
+    reject_unknown("finger.tissue", table, expected, file=name)
     try:
         layers = {layer: Tissue(**table.pop(layer)) for layer in ("skin", "subcutaneous")}
         prony = table.pop("prony", None)

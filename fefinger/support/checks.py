@@ -229,12 +229,16 @@ def boolean(name: str, value: object) -> bool:
     return bool(value)
 
 
-def reject_unknown(table: str, keys: Iterable[str], options: Iterable[str]) -> None:
-    """Raise InputError for the first key that is not among `options`, with the nearest name."""
+def reject_unknown(table: str, keys: Iterable[str], options: Iterable[str], file: str = "") -> None:
+    """Raise InputError for the first key that is not among `options`, with the nearest name.
+
+    file: that the keys of a table come from, where it is not the scene's own.
+    """
     allowed = list(options)
     for key in keys:
         if key not in allowed:
             where = f" in [{table}]" if table else ""
+            where += f" of {file}" if file else ""
             listed = ", ".join(allowed)
             message = f"{key}: unknown key{where}.{suggestion(key, allowed)} Known keys: {listed}"
             raise InputError(message, field=f"{table}.{key}" if table else key)
