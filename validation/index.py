@@ -24,6 +24,7 @@ ABOUT = suites.ABOUT | {
     "rig-faults": "Calibrations of records with faults of a rig, before it was modeled and after.",
     "coverage": "By how many deviations calibrations of drawn fingers and rigs miss the truth.",
     "ridges": "Rates over scanned dots with ridges of the skin, and what they depend on.",
+    "gratings": "Rates over moved gratings by period and speed, with and without ridges.",
     "grid-errors": "Errors of layered on a grid: bars, pins, gratings, a cylinder, a plate.",
     "grid-cost": "CPU time of layered on a grid, with and without friction and ridges.",
     "round-tip": "From the flat pad of a.h. to a finger with a round tip, step by step.",
