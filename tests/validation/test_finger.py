@@ -146,6 +146,21 @@ def test_friction_changes_no_rate_of_faii_over_dots_by_more_than_draws_do():
             assert (change < 0.16 * np.array(free["Hz"])).all()
 
 
+def test_over_moved_gratings_types_differ_as_recorded_ones_do_where_the_skin_has_ridges():
+    """Of the committed measurement, with the order that Goodwin et al. (1987) describe."""
+    report = json.loads(files("fefinger.reports").joinpath("gratings.json").read_text("utf-8"))
+    rates = {kind: np.array(each["Hz"]) for kind, each in report["ridges"].items()}
+    slow, rapid = rates["SAI"], rates["FAI"]
+    assert (np.diff(slow, axis=0) > 0.0).all()
+    assert np.ptp(slow, axis=1) == pytest.approx(0.0, abs=0.1 * slow.max())
+    assert (np.diff(rapid, axis=0) > 0.0).all()
+    assert (np.diff(rapid, axis=1) > 0.0).all()
+    deep = rates["FAII"]
+    assert (np.diff(deep, axis=1) > 0.4 * deep[:, 1:]).all()
+    assert deep == pytest.approx(np.tile(deep.mean(axis=0), (4, 1)), rel=0.2)
+    assert report["smooth"]["FAII"]["speed"] < 1.0 < report["ridges"]["FAII"]["speed"] / 3.0
+
+
 def test_recorded_rates_are_those_of_three_types_over_rising_spacings():
     recorded = dots.recorded()
     assert set(recorded) == {"SAI", "FAI", "FAII"}
