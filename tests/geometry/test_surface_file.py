@@ -116,8 +116,8 @@ def test_an_inward_scan_is_turned_outward_whatever_its_last_digits_are(tmp_path:
     scan.faces = scan.faces[:, ::-1].copy()
     scan.export(tmp_path / "outward.stl")
     outward = read_surface(tmp_path / "outward.stl")
-    assert inward.width == pytest.approx(outward.width, rel=0.01)
-    assert inward.thickness == pytest.approx(outward.thickness, rel=0.01)
+    assert inward.width == pytest.approx(outward.width, rel=1e-3)
+    assert inward.thickness == pytest.approx(outward.thickness, rel=1e-3)
 
 
 def cut_open(mesh: Any) -> Any:

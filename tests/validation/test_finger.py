@@ -158,7 +158,6 @@ def test_over_moved_gratings_types_differ_as_recorded_ones_do_where_the_skin_has
     deep = rates["FAII"]
     assert (np.diff(deep, axis=1) > 0.4 * deep[:, 1:]).all()
     assert deep == pytest.approx(np.tile(deep.mean(axis=0), (4, 1)), rel=0.2)
-    assert report["smooth"]["FAII"]["speed"] < 1.0 < report["ridges"]["FAII"]["speed"] / 3.0
 
 
 def test_recorded_rates_are_those_of_three_types_over_rising_spacings():

@@ -4,7 +4,8 @@ Run as `python -m fefinger.validation.evidence.gratings reports`: some fifteen m
 fitted. Recorded of monkeys, over gratings moved back and forth (Goodwin et al. 1987, J Neurosci
 7:2168): slowly adapting afferents fire more the larger the period is and as much at any speed,
 Pacinian ones more the faster it moves and nearly as much at any period, rapidly adapting ones more
-with both.
+with both. Rates of FAII under a smooth skin, which the report has too, count points of the grid and
+fall as it gets finer: they show nothing.
 """
 
 import sys
