@@ -33,11 +33,20 @@ class Cloud:
     point_normals: Array
     tree: Any
     inset: float = 0.0
+    symmetric: bool = False
 
     @classmethod
     def of(cls, points: Array, normals: Array, inset: float = 0.0) -> "Cloud":
-        """Return the surface through points (n, 3) with outward normals (n, 3)."""
-        return cls(points, normals, cKDTree(points), inset)
+        """Return the surface through points (n, 3) with outward normals (n, 3).
+
+        It is symmetric already where the second half of both is the mirror image of the first.
+        """
+        half, rest = divmod(len(points), 2)
+        symmetric = not rest and all(
+            np.array_equal(each[half:], finger_mesh.image(each[:half]))
+            for each in (points, normals)
+        )
+        return cls(points, normals, cKDTree(points), inset, symmetric)
 
     def level(self, points: Array) -> Array:
         """Return a signed distance, negative inside, (n,) mm."""
@@ -68,8 +77,15 @@ class Cloud:
 
     def _evaluate(self, points: Array) -> tuple[Array, Array]:
         """Compute signed distances (n,) mm and unit normals (n, 3)."""
-        sides = (self._through(points), self._through(finger_mesh.image(points)))
-        (here, normals), (there, mirrored) = sides
+        here, normals = self._through(points)
+        if self.symmetric:
+            # Of points in the middle, the nearest ones may be of one side.
+            there, mirrored = (
+                here,
+                np.where(points[:, 1:2] == 0.0, normals, finger_mesh.image(normals)),
+            )
+        else:
+            there, mirrored = self._through(finger_mesh.image(points))
         normals = normals + finger_mesh.image(mirrored)
         normals /= np.linalg.norm(normals, axis=1)[:, None]
         return (here + there) / 2.0 + self.inset, normals
