@@ -26,7 +26,7 @@ from fefinger.support.vocabulary import TYPES
 AXIS = direction(STANDARD)
 SKIN = spherical(14.0, AXIS)
 FINGER = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
-LINE = ff.Line(start=(0, -2), stop=(0, 2), count=5)
+LINE = ff.Line(start=(0, -2), stop=(0, 2), count=5, branched=False)
 PRESS = ff.RampHold(speed=20, depth=0.6, hold=0.2, corner=0.01)
 
 
@@ -63,7 +63,7 @@ OTHERS = [
     None,
     ff.Scatter(radius=1.5, seed=2),
     replace(LINE, branched=True),
-    ff.Grid(spacing=2.0, radius=2.0, branched=True),
+    ff.Grid(spacing=2.0, radius=2.0),
 ]
 
 
@@ -89,7 +89,8 @@ def test_other_types_and_their_order_change_no_unit(layout):
 
 
 def test_every_place_has_a_unit_of_each_type():
-    for layout, count in ((LINE, 5), (ff.Places(places=((0, 0), (1, 2))), 2), (ff.Grid(), 61)):
+    pair, grid = ff.Places(places=((0, 0), (1, 2)), branched=False), ff.Grid(branched=False)
+    for layout, count in ((LINE, 5), (pair, 2), (grid, 61)):
         units = place_units(asked(layout), SKIN, AXIS)
         places = len(units.types) // 2
         assert units.types == ("SAI", "FAI") * places
@@ -99,7 +100,7 @@ def test_every_place_has_a_unit_of_each_type():
 
 
 def test_places_of_a_grid_beside_the_skin_are_noted():
-    asked_grid = scene(ff.Grid(spacing=2.0, radius=4.0))
+    asked_grid = scene(ff.Grid(spacing=2.0, radius=4.0, branched=False))
     response = get("hertz").respond(asked_grid)
     lost = np.isin(response.sites.unit, [0, 1])
     kept = replace(
@@ -211,10 +212,8 @@ def test_the_central_unit_fires_as_the_one_under_first_touch():
 
 
 def test_hertz_is_the_same_in_every_direction():
-    ring = [[0.0, 2.0], [0.0, -2.0]]
-    found = fire(
-        scene(ff.Places(places=ring)).ask, get("hertz").respond(scene(ff.Places(places=ring)))
-    )
+    ring = scene(ff.Places(places=((0.0, 2.0), (0.0, -2.0)), branched=False))
+    found = fire(ring.ask, get("hertz").respond(ring))
     np.testing.assert_allclose(found.x_in[:, 0], found.x_in[:, 2], atol=1e-9)
     np.testing.assert_allclose(found.x_in[:, 1], found.x_in[:, 3], atol=1e-9)
 

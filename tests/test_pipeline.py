@@ -74,7 +74,8 @@ def test_a_slow_answer_is_checked_by_a_process_beside_it(monkeypatch, child, exp
 
 
 def test_units_of_a_grid_are_checked_by_place_where_the_other_skin_has_fewer(monkeypatch):
-    ask = ff.Ask(spikes=("SAI", "FAI"), fields=False, population=ff.Grid(radius=2.0, spread=0.5))
+    layout = ff.Grid(radius=2.0, spread=0.5, branched=False)
+    ask = ff.Ask(spikes=("SAI", "FAI"), fields=False, population=layout)
     scene = replace(SCENE, ask=ask)
     coarser = replace(scene, finger=replace(scene.finger, resolution="coarse"))
     answer = hertz.respond

@@ -119,7 +119,6 @@ class Grid(Layout):
 
     kind = "grid"
 
-    branched: bool = False
     spacing: Annotated[float, Key("Distance of neighbors", unit="mm", at_least=0.1)] = 1.0
     radius: Within = 5.0
 
@@ -137,7 +136,6 @@ class Line(Layout):
     start: Annotated[tuple[float, float], Key("One end [x, y]", unit="mm")]
     stop: Annotated[tuple[float, float], Key("Other end [x, y]", unit="mm")]
     count: Annotated[int, Key("Number of places", at_least=2, at_most=MOST_PLACES)] = 11
-    branched: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -153,7 +151,6 @@ class Places(Layout):
     kind = "places"
 
     places: Annotated[tuple[tuple[float, float], ...], Key("List of places [x, y]", unit="mm")]
-    branched: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -513,7 +513,7 @@ def test_units_fire_where_a_ball_presses(tip: ff.TactileFinger) -> None:
 
 
 def test_a_population_has_its_end_organs() -> None:
-    layout = ff.Grid(spacing=2.0, radius=3.0)
+    layout = ff.Grid(spacing=2.0, radius=3.0, branched=False)
     tip = ff.TactileFinger(FINGER, finite_strain=False, population=layout)
     assert len(tip.sites.types) > 20
     assert ball(tip, 0.6).strain.shape == (len(tip.sites.types), 6)

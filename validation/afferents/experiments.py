@@ -90,7 +90,7 @@ def drives(
         motion=motion,
         ask=Ask(
             spikes=("SAI",),
-            population=Places(places=tuple((0.0, float(y)) for y in distances)),
+            population=Places(places=tuple((0.0, float(y)) for y in distances), branched=False),
             depths={"SAI": organ},
             fields=False,
             pressure=False,

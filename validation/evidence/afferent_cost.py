@@ -44,11 +44,13 @@ SHALLOW = 0.6
 """Depth in mm without a mesh, where the contact may not be wide."""
 
 PLAIN: dict[str, object] = {"ask.spikes": []}
-FEW: dict[str, object] = {"ask.population": {"kind": "grid", "spacing": 1.0, "radius": 2.0}}
-MANY: dict[str, object] = {"ask.population": {"kind": "grid", "spacing": 0.5, "radius": 4.0}}
+SINGLE: dict[str, object] = {"kind": "grid", "branched": False}
+FEW: dict[str, object] = {"ask.population": SINGLE | {"spacing": 1.0, "radius": 2.0}}
+MANY: dict[str, object] = {"ask.population": SINGLE | {"spacing": 0.5, "radius": 4.0}}
 SLOW: dict[str, object] = {"motion.speed": 0.5}
 ALL: dict[str, object] = {"ask.spikes": ["SAI", "SAII", "FAI", "FAII"]}
 THESIS: dict[str, object] = {"ask.afferents": "thesis"}
+LONG: dict[str, object] = {"motion.hold": 10.0}
 
 VARIANTS: Mapping[str, dict[str, object]] = {
     "plain": PLAIN,
@@ -61,8 +63,9 @@ VARIANTS: Mapping[str, dict[str, object]] = {
     "many, slow": MANY | SLOW,
     "fine steps": ALL,
     "few, fine steps, slow": FEW | ALL | SLOW,
-    "few, long": FEW | {"motion.hold": 10.0},
+    "few, long": FEW | LONG,
     "few, of the thesis": FEW | THESIS,
+    "few, long, of the thesis": FEW | THESIS | LONG,
     "one, slow, of the thesis": SLOW | THESIS,
 }
 """Further changes."""

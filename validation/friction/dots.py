@@ -80,7 +80,6 @@ def scene(spacing: float, diameter: float) -> Scene:
         "ask.depths": {"SAI": experiments.DEPTHS["SAI"]},
         "ask.pressure": False,
         "ask.population.radius": 2.0,
-        "ask.population.branched": True,
     }
     return replace(builtin.load("slide-dots", changes), finger=experiments.MACAQUE)
 

@@ -98,7 +98,7 @@ def pressed(mechanics: str, depth: float, kind: str) -> Profile:
 def _answer(
     mechanics: str, finger: Finger, touching: Indenter, motion: Motion, kind: str
 ) -> Profile:
-    line = Line(start=(0.0, -REACH), stop=(0.0, REACH), count=COUNT)
+    line = Line(start=(0.0, -REACH), stop=(0.0, REACH), count=COUNT, branched=False)
     ask = Ask(pressure=False, fields=False, spikes=(kind,), population=line, afferents="thesis")
     scene = Scene(finger=finger, indenter=touching, motion=motion, ask=ask)
     trains = fire(scene.ask, get(mechanics).respond(scene))

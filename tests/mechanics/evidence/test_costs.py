@@ -107,9 +107,9 @@ def test_the_check_of_spikes_on_a_coarser_mesh_is_expected_and_runs_beside_a_slo
 
 LAYOUTS = {
     "scatter": (ff.Scatter(radius=4.0), 35 * 5.5 + 70 * 14.5),
-    "grid": (ff.Grid(spacing=1.0, radius=2.0), 2 * 13),
-    "line": (ff.Line(start=(0.0, 0.0), stop=(2.0, 0.0), count=5), 2 * 5),
-    "places": (ff.Places(places=((0.0, 0.0), (1.0, 0.0))), 2 * 2),
+    "grid": (ff.Grid(spacing=1.0, radius=2.0), 13 * 5.5 + 13 * 14.5),
+    "line": (ff.Line(start=(0.0, 0.0), stop=(2.0, 0.0), count=5), 5 * 5.5 + 5 * 14.5),
+    "places": (ff.Places(places=((0.0, 0.0), (1.0, 0.0))), 2 * 5.5 + 2 * 14.5),
 }
 
 
