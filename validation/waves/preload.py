@@ -137,16 +137,19 @@ class Preloaded:
         body = (factor * material + geometric + bent - omega**2 * self._mass)[free][:, free]
         loads = self.gap.loads[free][:, self.active]
         travel = self.gap.contact.projected[self.active]
-        matrix = sparse.bmat([[body, -loads], [-loads.T, None]], format="csc")
+        matrix = sparse.bmat([[body, -loads], [-loads.T, None]], format="csr")
         right = np.concatenate([coupled, -travel]).astype(matrix.dtype)
+        # In the order of our own, which is a quarter of the work of those of SuperLU.
+        order = np.append(self.system.dissection.order, np.arange(len(free), len(right)))
         solver = splu(
-            matrix,
-            permc_spec="MMD_AT_PLUS_A",
+            matrix[order][:, order].tocsc(),
+            permc_spec="NATURAL",
             options={"SymmetricMode": True},
             diag_pivot_thresh=STABLE,
         )
-        answer = solver.solve(right)
-        answer += solver.solve(right - matrix @ answer)
+        answer = np.zeros_like(right)
+        for _ in range(2):
+            answer[order] += solver.solve((right - matrix @ answer)[order])
         moved, pressure = answer[: len(free)], answer[len(free) :]
         force = travel @ pressure - coupled @ moved + along[free] @ coupled
         return complex(NEWTON_PER_MILLINEWTON * self.press.body.sides * force)
