@@ -82,8 +82,8 @@ def test_a_slow_press_of_stiffening_tissue_is_that_of_pressed() -> None:
 
 
 def test_stiffening_tissue_about_a_depth_at_which_no_vertex_is_touched_is_refused() -> None:
-    light = builtin.load("flat-press", {"finger.subject": "d.s.", "finger.resolution": "coarse"})
-    motion = ff.Vibration(preload=0.03, amplitude=0.005, frequency=100, seconds=0.02, held=0.01)
+    light = builtin.load("flat-press", {"finger.resolution": "coarse"})
+    motion = ff.Vibration(preload=0.02, amplitude=0.005, frequency=100, seconds=0.02, held=0.01)
     light = dataclasses.replace(light, indenter=ff.Sphere(5.0), motion=motion)
     with pytest.raises(InputError, match="smaller than a facet"):
         modal.respond(light)
