@@ -192,6 +192,7 @@ def test_a_path_of_any_shape_is_open_to_a_plate_without_friction():
 
 
 def test_friction_takes_more_time():
-    costs = [solid.cost(Situation.of(replace(scene(mu=mu), motion=SLIDE))) for mu in (0.0, 0.2, 0.8)]
+    slides = (replace(scene(mu=mu), motion=SLIDE) for mu in (0.0, 0.2, 0.8))
+    costs = [solid.cost(Situation.of(each)) for each in slides]
     assert costs == sorted(costs)
     assert costs[0] < costs[1]
