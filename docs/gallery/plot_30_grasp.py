@@ -41,11 +41,8 @@ class Grasp(gym.Env):
         self.model = mujoco.MjModel.from_xml_string(scene)
         self.data, cube = mujoco.MjData(self.model), {"cube": ff.shapes.Box(20, 20, 20, edge=0.3)}
         soft = ff.Finger.subject("a.h.", resolution="coarse", tissue="maeno1998")
-        options = {
-            "friction": 0.6,
-            "finite_strain": False,
-            "population": ff.Grid(spacing=2.5, branched=False),
-        }
+        units = ff.Grid(spacing=2.5, branched=False)  # one end organ each
+        options = {"friction": 0.6, "finite_strain": False, "population": units}
         options["taxels"] = ff.TaxelGrid(10, 7, pitch=1.5, center=(0, 0))
         self.tips = [ff.TactileFinger(soft, **options) for _ in range(2)]
         self.feel = [
