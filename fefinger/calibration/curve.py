@@ -74,9 +74,10 @@ class Curve:
     def force(self, depth: ArrayLike) -> Array:
         """Compute the force (n,) in N at depths (n,) in mm, 0 without contact."""
         x: Array = np.maximum(np.asarray(depth, float), 0.0)
-        inside = np.where(x > 0, np.minimum(x, self.deepest), self.deepest)
-        beyond = np.maximum(x - self.deepest, 0.0) * self._steepness(self.deepest)
-        return np.asarray(np.where(x > 0, np.exp(self._logarithm(inside) + beyond), 0.0))
+        logarithm = self._logarithm(np.where(x > 0, np.minimum(x, self.deepest), self.deepest))
+        if x.size and x.max() > self.deepest:
+            logarithm += np.maximum(x - self.deepest, 0.0) * self._steepness(self.deepest)
+        return np.asarray(np.where(x > 0, np.exp(logarithm), 0.0))
 
     def stiffness(self, depth: ArrayLike) -> Array:
         """Return dP/dx (n,) in N/mm at depths (n,) above 0 mm."""

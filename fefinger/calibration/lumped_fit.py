@@ -177,7 +177,7 @@ def save(fit: LumpedFit, folder: Path) -> list[str]:
     input of both models, and their forces. InputError where the files cannot be written.
     """
     used = ramp_hold.split(fit.time, fit.position, fit.force)
-    position = ramp_hold.smooth_position(used)
+    position = used.smooth_position
     models = [
         lumped.force(way.spring, way.prony, used.time, position) for way in (fit.joint, fit.thesis)
     ]

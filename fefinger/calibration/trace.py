@@ -57,7 +57,7 @@ class Trace:
     sampled: Array
     begin: Integers
 
-    @property
+    @cached_property
     def node_position(self) -> Array:
         """The path (m,) mm at the nodes."""
         return np.asarray(self.to_nodes @ self.path)

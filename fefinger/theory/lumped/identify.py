@@ -21,7 +21,6 @@ from fefinger.theory.lumped.ramp_hold import (
     SMOOTHING,
     RampHold,
     accounted,
-    averages,
     derivative,
     deviation_of,
     mse,
@@ -179,7 +178,7 @@ def joint(
     """
     _check_terms(terms)
     record = split(time, position, force)
-    t, x, f, size = averages(record)
+    t, x, f, size = record.averages
     spring, of_hold = _start(record), _relaxation(record, terms)[0]
     spaced = _spaced(terms, record.hold_seconds)
     starts = (of_hold, spaced) if _shown(of_hold, record) else (spaced,)
@@ -247,7 +246,7 @@ def _best(record: RampHold, starts: list[Array]) -> "OptimizeResult":
 
     Raises RuntimeError if all fits leave the range that can be computed.
     """
-    t, x, f, _ = averages(record)
+    t, x, f, _ = record.averages
     fits, reason = [], ""
     for start in starts:
         try:
@@ -271,7 +270,7 @@ def _together(record: RampHold, values: Array) -> "OptimizeResult":
     """Fit Eq. 2.3 to ramp and hold by least squares, from the start `values`."""
     from scipy.optimize import least_squares
 
-    t, x, f, _ = averages(record)
+    t, x, f, _ = record.averages
     for _ in range(2):  # the weights need the stiffness, and the stiffness the weights
         weight = _sigma(record, values)
 
@@ -306,8 +305,8 @@ def _relaxation(
 
     The warning is on a fit that did not converge.
     """
-    start = int(np.sum(averages(record)[0] < record.time[record.hold]))
-    t, _, f, size = (values[start:] for values in averages(record))
+    start = int(np.sum(record.averages[0] < record.time[record.hold]))
+    t, _, f, size = (values[start:] for values in record.averages)
     if np.ptp(record.force[record.hold :]) == 0:
         raise ValueError(
             f"hold: expected a force that falls, because a finger relaxes, received {f[0]:.4g} N "

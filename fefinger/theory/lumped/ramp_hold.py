@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,6 +44,39 @@ class RampHold:
     def hold_seconds(self) -> float:
         """Length of the hold in s."""
         return float(self.time[-1] - self.time[self.hold])
+
+    @cached_property
+    def averages(self) -> tuple[Array, Array, Array, Array]:
+        """Averages (n,) of time, position and force over groups of samples, and the group sizes.
+
+        The position is smoothed first (ramp and hold separately, to keep the corner), because
+        position noise biases the fit. Groups are single samples early in the hold, then of a
+        duration of 3 % of the time since its start (an exponential then changes by less than 5e-5
+        within one); before the hold equal groups, at most 400 from touch on.
+        """
+        starts = group_starts(self, ((0, RAMP_POINTS), (self.touch, RAMP_POINTS)))
+        size = np.diff([*starts, len(self.time)]).astype(float)
+        time, position, force = (
+            np.add.reduceat(values, starts) / size
+            for values in (self.time, self.smooth_position, self.force)
+        )
+        return time, position, force, size
+
+    @cached_property
+    def smooth_position(self) -> Array:
+        """The position (n_t,) mm, smoothed by local lines or cubics, ramp and hold separately.
+
+        The window has as many points as nine averages of a ramp, or nine. The strongest smoothing
+        that removes noise alone is used: none for a smooth start and stop with few samples.
+        """
+        ramp, rest = np.split(self.position, [self.hold])
+        # | 1: a symmetric window has an odd number of points.
+        wide = SMOOTHING * max(1, round((self.hold - self.touch) / RAMP_POINTS)) | 1
+        noise = self.position_noise
+        ways = ((wide, 1), (SMOOTHING, 1), (SMOOTHING, 3))
+        return np.concatenate(
+            [_denoised(ramp, noise, ways, self.touch), _denoised(rest, noise, ways[1:])]
+        )
 
 
 def split(time: ArrayLike, position: ArrayLike, force: ArrayLike) -> RampHold:
@@ -220,23 +254,6 @@ def derivative(x: Array, y: Array) -> Array:
     return np.asarray(np.linalg.solve(powers, values[:, :, None])[:, 1, 0] / width)
 
 
-def averages(record: RampHold) -> tuple[Array, Array, Array, Array]:
-    """Average time, position and force over groups of samples; also return the group sizes.
-
-    The position is smoothed first (ramp and hold separately, to keep the corner), because position
-    noise biases the fit. Groups are single samples early in the hold, then of a duration of 3 % of
-    the time since its start (an exponential then changes by less than 5e-5 within one); before the
-    hold equal groups, at most 400 from touch on.
-    """
-    starts = group_starts(record, ((0, RAMP_POINTS), (record.touch, RAMP_POINTS)))
-    size = np.diff([*starts, len(record.time)]).astype(float)
-    time, position, force = (
-        np.add.reduceat(values, starts) / size
-        for values in (record.time, smooth_position(record), record.force)
-    )
-    return time, position, force, size
-
-
 def group_starts(record: RampHold, parts: Sequence[tuple[int, int]]) -> list[int]:
     """Return first samples of groups: by parts, then in the hold.
 
@@ -256,22 +273,6 @@ def group_starts(record: RampHold, parts: Sequence[tuple[int, int]]) -> list[int
         starts.append(record.hold + at)
         at = max(at + 1, int(np.searchsorted(since, since[at] * hold_ratio, "right")) - 1)
     return starts
-
-
-def smooth_position(record: RampHold) -> Array:
-    """Smooth the position by local lines or cubics, ramp and hold separately.
-
-    The window has as many points as nine averages of a ramp, or nine. The strongest smoothing that
-    removes noise alone is used: none for a smooth start and stop with few samples.
-    """
-    ramp, rest = np.split(record.position, [record.hold])
-    # | 1: a symmetric window has an odd number of points.
-    wide = SMOOTHING * max(1, round((record.hold - record.touch) / RAMP_POINTS)) | 1
-    noise = record.position_noise
-    ways = ((wide, 1), (SMOOTHING, 1), (SMOOTHING, 3))
-    return np.concatenate(
-        [_denoised(ramp, noise, ways, record.touch), _denoised(rest, noise, ways[1:])]
-    )
 
 
 def _denoised(
@@ -304,7 +305,7 @@ def deviation_of(record: RampHold, spring: Spring, prony: Prony) -> Array:
 
     The effect of position noise on the force of the model relaxes since the previous average.
     """
-    time, x, f, size = averages(record)
+    time, x, f, size = record.averages
     passed = np.multiply.outer(np.diff(time, prepend=time[0]), np.array(prony.v))
     retained = prony.weights[0] + exprel(-passed) @ np.array(prony.weights[1:])
     stiffness = np.where(x > spring.x0, spring.stiffness(spring.force(x)), 0.0)
@@ -323,7 +324,7 @@ def mse(record: RampHold, spring: Spring, prony: Prony) -> float:
 
     The model uses the smoothed position: at 6 N/mm, 3 um of noise would count as 18 mN.
     """
-    model = force(spring, prony, record.time, smooth_position(record))
+    model = force(spring, prony, record.time, record.smooth_position)
     return 1.0 - accounted(record.force, model)
 
 
