@@ -8,6 +8,7 @@ noise of 0.5 kPa. Lengths in mm, pressures in kPa, times in s. Source: Pawluk (1
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -104,7 +105,7 @@ def blurred(
     # Points of the radial convolution per sigma of its reach: they are less than a sigma apart.
     per_sigma = 3.0
     count = max(quadrature, math.ceil(per_sigma * reach / sigma))
-    nodes, weights = np.polynomial.legendre.leggauss(count)
+    nodes, weights = _rule(count)
     # s = reach sin(angle) removes the square root in which the pressure ends.
     angle = np.pi / 4 * (nodes + 1)
     s = reach * np.sin(angle)
@@ -113,6 +114,12 @@ def blurred(
     # ive is I0 without its growth exp(r s / sigma²), which is in `apart`: no overflow.
     kernel = s / sigma**2 * apart * ive(0, r[..., None] * s / sigma**2)
     return np.asarray(kernel @ (weights * pressure(s)))
+
+
+@cache
+def _rule(count: int) -> tuple[Array, Array]:
+    """Return Gauss's nodes and weights (count,), for which a table of caps asks 119 times."""
+    return np.polynomial.legendre.leggauss(count)
 
 
 @dataclass(frozen=True)
