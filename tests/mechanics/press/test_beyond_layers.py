@@ -18,9 +18,12 @@ ASK = ff.Ask(spikes=(), fields=False, strain=False)
 LAYERS = LayerGrid(layered.stack(FINGER), 96, 0.14, width=1.5)
 
 
-def press(indenter, **motion):
-    motion = ff.RampHold(hold=0.1, **(motion or {"speed": 5.0, "depth": 0.8}))
-    return ff.Scene(finger=FINGER, indenter=indenter, motion=motion, ask=ASK)
+def press(indenter, depth=None, force=None):
+    """Return a press that stands at its depth or its force."""
+    twice = {name: value and (value, value) for name, value in (("depth", depth), ("force", force))}
+    return ff.Scene(
+        finger=FINGER, indenter=indenter, motion=ff.Sampled((0.0, 0.1), **twice), ask=ASK
+    )
 
 
 def alone(scene):
@@ -42,7 +45,7 @@ def alone(scene):
     ids=lambda indenter: indenter.kind,
 )
 def test_forces_are_those_of_elements_where_the_layers_alone_are_too_stiff(indenter):
-    scene = press(indenter)
+    scene = press(indenter, depth=0.8)
     elements = linear.respond(scene)
     high = elements.force.max()
     errors = [
@@ -53,7 +56,7 @@ def test_forces_are_those_of_elements_where_the_layers_alone_are_too_stiff(inden
 
 
 def test_under_a_force_it_moves_the_object_alone():
-    scene = press(ff.Bar(3.0, 0.4), loading_rate=2.0, force=0.3)
+    scene = press(ff.Bar(3.0, 0.4), force=0.3)
     whole, layers = layered.respond(scene), alone(scene)
     assert whole.force == pytest.approx(layers.force, abs=1e-9)
     assert whole.pressure == pytest.approx(layers.pressure, abs=1e-3 * layers.pressure.max())
@@ -95,7 +98,7 @@ def test_a_finger_without_a_mesh_has_its_layers_alone_and_says_so():
     squat = replace(FINGER, width=20.0, thickness=8.5)
     with pytest.raises(ff.InputError):
         beyond_layers.compliance(beyond_layers.alone(squat), layered.stack(squat), Flat(30.0))
-    scene = replace(press(ff.Bar(3.0, 0.4), speed=5.0, depth=0.3), finger=squat)
+    scene = replace(press(ff.Bar(3.0, 0.4), depth=0.3), finger=squat)
     answer = layered.respond(scene)
     assert any("the stated error does not hold" in note for note in answer.notes)
     assert answer.force == pytest.approx(alone(scene).force, rel=1e-12)

@@ -102,7 +102,7 @@ def test_a_texture_that_has_moved_by_its_period_repeats():
 def test_a_plate_with_friction_sticks_then_slides_and_its_work_is_lost():
     """Full slip pulls by mu times the force, and strain at the end organs leans with the pull."""
     grid = LayerGrid(STACK, 64, 0.21, width=1.5)
-    slide = ff.Slide(20, 0.4, distance=1.5, settle=0.1, approach=20, corner=0.0)
+    slide = ff.Slide(20, 0.4, distance=0.8, settle=0.1, approach=20, corner=0.0)
     free, held = (on(grid, scene(motion=slide, indenter=ff.Flat(friction=mu))) for mu in (0.0, 0.4))
     pull = held.lateral.force[:, 0] / held.force
     assert pull[-1] == pytest.approx(0.4, abs=1e-4)
