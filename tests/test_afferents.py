@@ -311,7 +311,8 @@ def answered():
     return ff.run(published.load("population-press", overrides), mechanics="hertz")
 
 
-def test_a_population_is_saved_loaded_told_and_drawn(answered, tmp_path, monkeypatch):
+def test_a_population_is_saved_loaded_and_told(answered, tmp_path, monkeypatch):
+    monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
     answered.save(tmp_path)
     again = ff.load(tmp_path)
     np.testing.assert_array_equal(again.sites.unit, answered.sites.unit)
@@ -325,7 +326,6 @@ def test_a_population_is_saved_loaded_told_and_drawn(answered, tmp_path, monkeyp
     for text in ("Spikes of the population", "SAI (14 units)", "FAI (27 units)", "from 27 of 27"):
         assert text in html
     assert "No noise" in html
-    monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")  # words from here on
     said = ("contact_area", "centroid", "pad", "pressure", "sites", "strain", "fields")
     response = replace(answered.response, **dict.fromkeys(said))
     drawn = replace(answered, spikes=replace(answered.spikes, seed=3), response=response)

@@ -141,7 +141,8 @@ def test_units_of_a_population_differ_by_default_and_not_when_told(pressed):
     assert not np.array_equal(trains[0].times[0], trains[2].times[0])
 
 
-def test_the_family_is_in_files_and_on_the_page(pressed, tmp_path):
+def test_the_family_is_in_files_and_on_the_page(pressed, tmp_path, monkeypatch):
+    monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
     scene, response = pressed
     trains = fire(scene.ask, response, check=False)
     trains.to_npz(tmp_path / "spikes.npz")

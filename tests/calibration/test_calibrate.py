@@ -96,6 +96,7 @@ def fitted(tmp_path_factory, by_formula, start_once, linear, write):
     with pytest.MonkeyPatch.context() as patched, redirect_stdout(out):
         by_formula(patched)
         start_once(patched)
+        patched.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
         assert main([*words, "--check", str(check), "-o", str(folder / "out")]) == 0
     return json.loads(out.getvalue()), folder, time.process_time() - started
 

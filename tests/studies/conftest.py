@@ -21,6 +21,12 @@ def _in_this_process():
 
 
 @pytest.fixture
+def words_alone(monkeypatch):
+    """Leave drawings out of the page of a study, where its words are the question."""
+    monkeypatch.setattr("fefinger.pages.page.svg", lambda drawn: "data:,")
+
+
+@pytest.fixture
 def child_processes(monkeypatch):
     """Answer the scenes of a study in child processes, as a user's are."""
     monkeypatch.setattr(study, "local", REAL)

@@ -258,6 +258,7 @@ def test_spikes_are_counted_up_to_the_time_of_the_row(synthetic):
 # Running
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_rows_come_in_the_order_of_the_grid_with_units_and_files(tmp_path, capsys):
     command = ["study", "flat-press", "--over", "motion.depth=0.4,0.2", "--mechanics", "lumped"]
     command += ["--over", "indenter.angle=20:40:2", "--at", "0.1mm", "-o", str(tmp_path)]
@@ -486,7 +487,9 @@ def test_a_page_over_names_and_one_where_all_failed(tmp_path):
     found = ff.study("flat-press", {"finger.subject": ("a.h.", "d.p.")}, **options)
     assert found.table()["finger.subject"].unique().tolist() == ["a.h.", "d.p."]
     found.save(tmp_path)
-    assert "finger.subject a.h., d.p." in (tmp_path / "report.html").read_text()
+    page = (tmp_path / "report.html").read_text()
+    assert "finger.subject a.h., d.p." in page
+    assert 'src="data:image/svg+xml,' in page
     options |= {"mechanics": "hertz", "changes": options["changes"] | {"indenter.kind": "cylinder"}}
     none = ff.study("sphere-press", {"indenter.radius": (3, 4)}, **options)
     assert len(none.failures) == 2

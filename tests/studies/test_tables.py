@@ -127,6 +127,7 @@ def test_other_endings_and_folders_and_parquet_without_its_extra_are_refused_bef
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_the_table_of_other_scenes_is_kept_and_told(tmp_path, capsys):
     large = asked({"motion.depth": (0.4, 0.3, 0.2)}, folder=tmp_path)
     assert len(large.save(tmp_path)) == 3
@@ -153,6 +154,7 @@ def test_files_that_no_study_wrote_are_moved_and_not_overwritten(tmp_path):
     assert (tmp_path / "table.csv").read_text() != "mine"
 
 
+@pytest.mark.usefixtures("words_alone")
 def test_the_page_and_the_table_say_how_they_were_made(tmp_path, capsys, monkeypatch):
     # What is installed has no repository, and an empty commit is left out of the page.
     monkeypatch.setattr(machine, "commit", lambda: "abc1234")
