@@ -83,12 +83,10 @@ def test_a_cube_squeezed_to_half_its_height_has_its_closed_form(name: str, poiss
     assert stretch == pytest.approx([across(material, 0.5)] * 2 + [0.5], rel=1e-6)
 
 
-# In ten steps one is not found by rounding alone, in one of twenty runs on another processor; in
-# these none of 260 and of 40.
-@pytest.mark.parametrize("steps", [20, 40])
-def test_a_cube_that_is_not_nearly_incompressible_does_not_fold_at_its_corner(steps: int):
+def test_a_cube_that_is_not_nearly_incompressible_does_not_fold_at_its_corner():
+    """In ten steps one is not found by rounding alone, in one of twenty runs; in these, in none."""
     material = material_of(Elastic(100.0, 0.45), "mooney-rivlin")
-    _, stretch, _ = squeezed(material, np.linspace(0.5 / steps, 0.5, steps).tolist())
+    _, stretch, _ = squeezed(material, np.linspace(0.025, 0.5, 20).tolist())
     assert stretch == pytest.approx([across(material, 0.5)] * 2 + [0.5], rel=1e-6)
 
 

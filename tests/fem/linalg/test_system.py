@@ -55,7 +55,7 @@ def held(space: Space) -> Integers:
 
 
 def cube() -> Space:
-    return box(*3 * (np.linspace(0, 1, 5),))
+    return box(*3 * (np.linspace(0, 1, 4),))
 
 
 @pytest.fixture
