@@ -57,6 +57,8 @@ class _Piece:
         """Return its times in s but the first."""
         if not self.moves:
             return _growing(self.start, self.stop, self.first)
+        if self.count == 1:  # as most of a sampled motion, which has thousands
+            return np.array([self.stop])
         lengths, length = [], self.first
         while length < self.step * (1 - 1e-9):
             lengths.append(length)
