@@ -271,14 +271,13 @@ def _cheapest(case: Situation, rungs: tuple[Rung, ...]) -> Rung:
         blurs = {each: case.feels_texture and MECHANICS[each].meshed for each in names()}
         return min(willing, key=lambda rung: (blurs[rung.mechanics], rung.seconds))
     _check_meshable(rungs)
-    tiny = "".join(f"{each[0].upper()}{each[1:]}. " for each in unusual(case))
+    odd = "".join(f"{each[0].upper()}{each[1:]}. " for each in unusual(case))
     deepest = case.motion.deepest
     # A scene that is refused may have been written in m.
     if deepest is not None and deepest < 0.01:
-        tiny = f"It presses {deepest:g} mm deep: lengths are in mm, not in m. "
+        odd = f"It presses {deepest:g} mm deep: lengths are in mm, not in m. "
     raise InputError(
-        f"ask: no mechanics is known to answer this scene within the limits. {tiny}"
-        f"{relaxing(rungs)}"
+        f"ask: no mechanics is known to answer this scene within the limits. {odd}{relaxing(rungs)}"
         f"{_unchecked(case)}{vibration.advice(case)}{_by_name(rungs)}\n\n{written(rungs)}"
     )
 

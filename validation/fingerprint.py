@@ -267,8 +267,7 @@ def _scenes() -> list[str]:
 
 
 def _table(name: str) -> Tables:
-    table: Tables = _json("scenes", name)
-    return table
+    return dict(_json("scenes", name))
 
 
 def _label(*parts: str) -> str:
@@ -381,9 +380,7 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="fingerprint", description=SUMMARY)
     parser.add_argument("action", choices=("record", "compare"))
     parser.add_argument("file", type=Path, metavar="FILE", help="fingerprint, an .npz file")
-    parser.add_argument(
-        "--quick", action="store_true", help="without `pressed`, `solid` and the suites"
-    )
+    parser.add_argument("--quick", action="store_true", help="without `pressed`, `solid`, suites")
     options = parser.parse_args(arguments)
     if options.action == "record":
         record(quick=options.quick).save(options.file)

@@ -149,8 +149,7 @@ class SpikeTrains:
         """Return the trains with the counts of other runs of the units beside them."""
         if not reruns:
             return self
-        rows = [] if self.rerun_counts is None else [self.rerun_counts]
-        counts = np.vstack([*rows, *(each.counts for each in reruns)])
+        counts = np.vstack([self._counts()[1:], *(each.counts for each in reruns)])
         changes = tuple(each.change for each in reruns)
         return replace(self, reruns=self.reruns + changes, rerun_counts=counts)
 
