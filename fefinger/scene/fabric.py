@@ -36,7 +36,9 @@ class Fabric(Indenter):
     yarn: Annotated[float, Key("Distance of the yarns", unit="mm", at_least=0.2, at_most=5)] = 1.0
     height: Annotated[float, Key("Height of the crowns", unit="mm", above=0, at_most=1)] = 0.15
     fiber: Annotated[float, Key("Shortest wave of the fibers", unit="mm", at_least=0.05)] = 0.2
-    roughness: Annotated[float, Key("Roughness of the fibers", unit="mm", at_least=0)] = 0.004
+    roughness: Annotated[
+        float, Key("Roughness of the fibers", unit="mm", at_least=0, at_most=0.5)
+    ] = 0.004
     seed: Annotated[int, Key("Seed of the fibers", at_least=0)] = 0
     angle: float = 30.0
     tilt: float = 0.0

@@ -43,7 +43,8 @@ def test_the_profile_is_the_heights_and_repeats_after_eight_yarns():
 
 
 @pytest.mark.parametrize(
-    ("field", "value"), [("yarn", 0.1), ("height", 0.0), ("fiber", 0.01), ("roughness", -1.0)]
+    ("field", "value"),
+    [("yarn", 0.1), ("height", 0.0), ("fiber", 0.01), ("roughness", -1.0), ("roughness", 0.51)],
 )
 def test_what_is_no_fabric_gets_a_sentence(field, value):
     with refused(f"indenter.{field}"):
