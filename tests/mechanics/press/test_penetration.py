@@ -41,6 +41,7 @@ def deepest(response: Response) -> float:
     return float((depth[:, None] - ahead).max())
 
 
+@pytest.mark.usefixtures("few_steps")
 @pytest.mark.parametrize("mechanics", [linear, solid], ids=["linear", "solid"])
 def test_what_lies_inside_is_told_as_the_saved_displacements_have_it(mechanics: Mechanics) -> None:
     response = mechanics.respond(pressed(0.5))
