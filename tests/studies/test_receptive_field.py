@@ -126,14 +126,16 @@ def test_the_area_is_that_of_the_places_above_a_part_of_the_most():
         field.of("FAII")
 
 
-def test_it_writes_a_table_and_a_picture(field, tmp_path):
+def test_it_writes_a_table_and_a_picture(field, tmp_path, monkeypatch):
     assert [path.rpartition("/")[2] for path in field.save(tmp_path)] == list(FILES)
     lines = (tmp_path / "field.csv").read_text().splitlines()
     assert lines[0] == "x_mm,y_mm,SAI_impulses,FAI_impulses"
     assert len(lines) == 10
     assert (tmp_path / "field.svg").read_text().startswith("<svg")
     assert json.loads(json.dumps(field.record()))["mechanics"] == "condensed"
+    monkeypatch.setattr("fefinger.view.figures.svg", lambda drawn: "<svg>")
     field.save(tmp_path)  # replaces its own
+    assert (tmp_path / "field.svg").read_text() == "<svg>"
 
 
 @pytest.mark.parametrize("name", FILES)
