@@ -26,8 +26,12 @@ WORD = re.compile(rf"\S{{{LONG_VALUE + 1},}}")
 TINY, HUGE = 1e-30, 1e30
 """Least number above 0, and largest size of a number: powers and quotients of them stay finite."""
 
-FIELD = re.compile(r"((?:--)?[\w.\[\]-]+):(?:\s|$)")
-"""Beginning of a message with the name of its field."""
+FIELD = re.compile(
+    r"((?:--)?[\w.\[\]-]+)(?:, [\w.\[\]-]+)*:(?:\s|$)"
+    r"|(--[\w-]+|family|law|mechanics|mesh) \S.*?:(?:\s|$)"
+)
+"""Beginning of a message: a field, alone or the first of several, or an option or a thing that is
+named with what was given for it."""
 
 
 class Limits(TypedDict, total=False):
@@ -44,14 +48,15 @@ class InputError(ValueError):
     """Invalid input; the message names the field, the expected and the received value.
 
     `field` is the name that the message begins with, as in a scene file or on the command line,
-    such as "motion.depth", "indenter.heights[2]" or "--at"; "" without one. As received values may
-    be anything, the message is made printable, and its lines are at most LONGEST characters long.
+    such as "motion.depth", "indenter.heights[2]" or "--at", the first of several; "" without one.
+    As received values may be anything, the message is made printable, and its lines are at most
+    LONGEST characters long.
     """
 
     def __init__(self, message: str, *, field: str | None = None) -> None:
         super().__init__(printable(message))
         begins = FIELD.match(message)
-        self.field = field if field is not None else begins[1] if begins else ""
+        self.field = field if field is not None else (begins[1] or begins[2]) if begins else ""
 
 
 class BeyondError(InputError):

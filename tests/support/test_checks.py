@@ -122,6 +122,20 @@ def test_an_error_knows_its_field(field, check):
     assert pickle.loads(pickle.dumps(refusal.value)).field == field
 
 
+@pytest.mark.parametrize(
+    ("message", "field"),
+    [
+        ("time, drive: expected finite values", "time"),
+        ("reference.strain, reference.normals: expected (3, 3, 3)", "reference.strain"),
+        ("--over motion.depth=1:2:0: expected FIELD=START:STOP:COUNT", "--over"),
+        ("law gent: expected six numbers", "law"),
+        ("mechanics winkler: expected times that increase", "mechanics"),
+    ],
+)
+def test_of_several_fields_an_error_knows_the_first_and_of_a_named_thing_what_it_is(message, field):
+    assert InputError(message).field == field
+
+
 def test_an_error_without_a_field_has_none():
     assert InputError("output folder: expected a name").field == ""
     assert InputError("nothing is known").field == ""
