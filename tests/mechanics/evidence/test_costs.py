@@ -16,7 +16,7 @@ from fefinger.results.candidate import Candidate
 from fefinger.results.result_record import expected_time
 from fefinger.scene import builtin
 from fefinger.support.machine import REPORTED
-from fefinger.support.vocabulary import Control
+from fefinger.support.vocabulary import FAMILIES, Control
 
 
 @pytest.fixture
@@ -169,3 +169,13 @@ def test_a_press_in_which_skin_slips_costs_what_it_took(
     ask = ff.Ask(strain=False, fields=False)
     scene = ff.Scene(finger=finger, indenter=ff.Flat(30, friction=0.2), motion=motion, ask=ask)
     assert took / 2 < costs.linear_seconds(Situation.of(scene)) < 2 * took
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_spikes_of_a_long_hold_cost_as_it_lasts(family) -> None:
+    def seconds(hold: float) -> float:
+        changes = {"motion.hold": hold, "ask.afferents": family}
+        return costs.spike_seconds(Situation.of(builtin.load("flat-press", changes)))
+
+    assert seconds(100.0) - seconds(50.0) == pytest.approx(seconds(150.0) - seconds(100.0), rel=0.1)
+    assert seconds(100.0) > 20 * seconds(0.5)
