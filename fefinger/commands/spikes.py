@@ -73,7 +73,7 @@ def spikes(
 
     SIGNALS.csv has a column time (s) and columns whose names end with displacement_mm,
     displacement_um or strain, such as left_displacement_mm. Each drives a unit of every TYPE
-    (repeatable, by default all that the sampling rate allows, from 1600 Hz on all four); one named
+    (repeatable, by default all that the sampling rate allows, from 1200 Hz on all four); one named
     FAI_displacement_mm drives a unit of FAI alone. Displacement is positive into the skin. Strain
     is positive where it excites: compression for SAI and FAII, stretch of the skin for SAII and
     FAI. For the afferents recorded a pin 1 mm wide causes it.

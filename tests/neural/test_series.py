@@ -143,7 +143,7 @@ def test_types_for_which_samples_are_too_coarse_are_left_out_unless_named(tmp_pa
     signals = read(path)
     trains = series.fire(signals)
     assert trains.types == ("SAI", "SAII", "FAI")
-    wanted = "too coarse for FAII, which responds up to about 318 Hz: .*sample at 1600 Hz or more"
+    wanted = "too coarse for FAII, which responds up to about 239 Hz: .*sample at 1200 Hz or more"
     assert re.search(f"{wanted}, or say .* exact .corners.* FAII was left out", trains.notes[0])
     with pytest.raises(InputError, match=f"{wanted}, leave FAII out of the types .*, or say"):
         series.fire(signals, ("SAI", "FAII"))

@@ -12,6 +12,10 @@ from fefinger.support.arrays import Array
 FREQUENCIES = (20.0, 50.0, 300.0, 600.0)
 """Hz of the vibrations."""
 
+AT_100_HZ = {"FAI": ((100.0, 100.0), (200.0, 160.0)), "FAII": ((130.0, 130.0),)}
+"""Amplitudes in um and rates in Hz at 100 Hz of Muniak et al. (2007), as read by others from its
+figures: the points themselves are not at hand."""
+
 
 @cache
 def rows(name: str) -> tuple[dict[str, str], ...]:

@@ -73,17 +73,7 @@ BURST = (
     "more impulses at an onset than in the models of TouchSim, none at a slow release: units whose "
     "current adapts more slowly, or that weigh a release more, miss the rates at 20 or 300 Hz"
 )
-LEVEL = (
-    "rates are weighed frequency by frequency, since at 20 Hz R² was 0.57; those at 300 and 600 Hz "
-    "keep thresholds there near those at 50 Hz"
-)
-CYCLES = (
-    "the adaptation that spares FAI more impulses in a cycle of 20 Hz takes the second at 100 Hz; "
-    "FAII fire at 100 Hz nearly as often in a cycle as at 50 Hz"
-)
-FALL = (
-    "at 800 Hz from 0.1 mm on alone, far beyond recordings: the generator saturates at both signs"
-)
+LEVEL = "recorded rates at 300 and 600 Hz keep the thresholds there near those at 50 Hz"
 
 FOLLOWED = {"SAI": (20.0, 50.0), "FAI": (20.0, 50.0, 300.0), "FAII": data.FREQUENCIES}
 """Frequencies in Hz of the vibrations that units of a type answer at more than a point or two."""
@@ -92,13 +82,9 @@ MISSES: dict[str, tuple[float, str]] = {
     "fitted: RMS error of SAI by curvature and force": (0.157, SPHERES),
     "predicted: SAI in a hold of the pin at 1 mm, 2 mm wide": (35.4, WIDE),
     "predicted: SAI in a hold of the pin at 1.5 mm, 2 mm wide": (66.7, WIDE),
-    "predicted: impulses of FAI at the onset of a pin, 0.7 mm at 20 mm/s": (10.0, BURST),
+    "predicted: impulses of FAI at the onset of a pin, 0.7 mm at 20 mm/s": (8.0, BURST),
     "predicted: impulses of FAI at the release of a pin, 0.7 mm at 5 mm/s": (0.0, BURST),
-    "fitted: R² of the rates of FAI at 20, 50, 300 and 600 Hz": (0.8985, LEVEL),
-    "fitted: best frequency of FAI": (126.0, LEVEL),
-    "predicted: rate of FAI at 100 Hz, 200 um": (100.0, CYCLES),
-    "predicted: rate of FAII at 100 Hz, 130 um": (158.6, CYCLES),
-    "predicted: fall of the rate of FAII in a stronger vibration, over the highest": (0.126, FALL),
+    "fitted: best frequency of FAI": (152.0, LEVEL),
 }
 """By the name of a case: the known value, and the reason."""
 
@@ -351,7 +337,8 @@ def _far_over_near() -> float:
 
 
 def _of_variation() -> Iterator[Case]:
-    for kind, frequency, amplitude in (("FAI", 50.0, 0.1), ("FAII", 300.0, 0.03)):
+    # FAI fire twice in many cycles of 50 Hz from 80 um on: no jitter of one impulse is seen there.
+    for kind, frequency, amplitude in (("FAI", 50.0, 0.06), ("FAII", 300.0, 0.03)):
         name = f"set by hand: jitter of {kind} at {frequency:g} Hz, one impulse per cycle"
         measure = partial(predicted.jitter, kind, frequency, amplitude)
         yield _case(name, measure, 0.3, 3.0, "ms", PRECISE, "near 1 ms: a factor of 3")
@@ -361,12 +348,13 @@ def _of_variation() -> Iterator[Case]:
 
 
 def _at_100_hz() -> Iterator[Case]:
-    """Yield rates at 100 Hz, where nothing was fitted."""
-    for kind, micrometers, recorded in (("FAI", 100, 100), ("FAI", 200, 160), ("FAII", 130, 130)):
-        name = f"predicted: rate of {kind} at 100 Hz, {micrometers} um"
-        measure = partial(rate, kind, 100.0, 1e-3 * micrometers)
-        low, high = 0.8 * recorded, 1.2 * recorded
-        yield _case(name, measure, low, high, "Hz", AT_100_HZ, "within 20 %")
+    """Yield rates at 100 Hz, of which few points are known."""
+    for kind, points in data.AT_100_HZ.items():
+        for micrometers, recorded in points:
+            name = f"fitted: rate of {kind} at 100 Hz, {micrometers:g} um"
+            measure = partial(rate, kind, 100.0, 1e-3 * micrometers)
+            low, high = 0.8 * recorded, 1.2 * recorded
+            yield _case(name, measure, low, high, "Hz", AT_100_HZ, "within 20 %")
 
 
 def _of_maps() -> Iterator[Case]:
