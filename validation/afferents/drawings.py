@@ -242,8 +242,8 @@ TEXTS = (
     "Trust of recorded: timing and entrainment of FAI and FAII from 20 to 600 Hz, bursts at onset "
     "and release, SAI by curvature, force and distance, edges, and holds of pins. With care: "
     "absolute rates of SAI in a hold of a blunt object, which under a pin 2 mm wide are up to 1.5 "
-    "times those of the fastest model of TouchSim. Not: a second impulse of FAI per cycle of "
-    "100 Hz, FAII in ramps, at slip and far from the object, and the jitter, set by hand.",
+    "times those of the fastest model of TouchSim. Not: FAII in ramps, at slip and far from "
+    "the object, and the jitter, set by hand.",
     "Spheres are held with a force, and the strain under a force depends on the modulus: on "
     "maeno1998, three times as stiff at small forces as the four measured fingers, SAI units came "
     "out four times as sensitive as those of the models behind the bands of pins. On the tissue "
