@@ -134,7 +134,7 @@ def test_spikes_over_dots_on_ridges_do_not_depend_on_the_grid():
 
 
 def test_friction_changes_no_rate_of_faii_over_dots_by_more_than_draws_do():
-    """Of the committed measurement; of FAI the rates change over the two closest spacings."""
+    """Of the committed measurement; rates of SAI and FAI change by less than a tenth."""
     report = json.loads(files("fefinger.reports").joinpath("ridges.json").read_text("utf-8"))
     for kind in dots.recorded():
         free, rubbed = (report[skin][kind] for skin in ("ridges", "ridges_and_friction"))
@@ -142,8 +142,7 @@ def test_friction_changes_no_rate_of_faii_over_dots_by_more_than_draws_do():
         if kind == "FAII":
             assert (change < free["deviation"]).all()
         else:
-            assert (change[2:] < 0.03 * np.array(free["Hz"])[2:]).all()
-            assert (change < 0.16 * np.array(free["Hz"])).all()
+            assert (change < 0.09 * np.array(free["Hz"])).all()
 
 
 def test_over_moved_gratings_types_differ_as_recorded_ones_do_where_the_skin_has_ridges():
