@@ -233,18 +233,18 @@ MESHED = f"{WIDE}; on exact layers the range is larger: the rest is the mesh"
 
 CLOSE = (
     "units fire twice a dot where 43 dots a second come 1.41 mm apart, three times as often as "
-    "recorded ones; over the five wider spacings the correlation is 0.85 on the mesh, and 0.88 on "
+    "recorded ones; over the five wider spacings the correlation is 0.83 on the mesh, and 0.88 on "
     "exact layers"
 )
 
 KNOWN = {
-    (dots.scanned, "FAI", "correlation"): (0.02, CLOSE),
-    (dots.scanned, "FAI", "modulation"): (0.52, WIDE),
+    (dots.scanned, "FAI", "correlation"): (0.07, CLOSE),
+    (dots.scanned, "FAI", "modulation"): (0.65, WIDE),
     (dots.scanned, "SAI", "modulation"): (0.32, MESHED),
-    (dots.scanned, "FAII", "modulation"): (3.21, RIPPLE),
-    (dots.scanned, "FAII", "correlation"): (-0.45, RIPPLE),
-    (layers.scanned, "FAI", "correlation"): (0.47, CLOSE),
-    (layers.scanned, "FAI", "modulation"): (0.47, WIDE),
+    (dots.scanned, "FAII", "modulation"): (3.2, RIPPLE),
+    (dots.scanned, "FAII", "correlation"): (-0.4, RIPPLE),
+    (layers.scanned, "FAI", "correlation"): (0.3, CLOSE),
+    (layers.scanned, "FAI", "modulation"): (0.6, WIDE),
     (layers.scanned, "SAI", "modulation"): (0.37, WIDE),
     (layers.scanned, "FAII", "ratio"): (0.0, SILENT),
 }
@@ -283,8 +283,11 @@ def _rates() -> Iterator[Case]:
                 reason = "with the recorded rates over spacing, before any model of units"
                 yield Case(title, measured, Expected(1.0, NEAR), CONNOR, reason=reason)
     title = "FAII over dots 2.5 mm wide, 7.5 mm apart: rate on exact layers over that on the mesh"
-    reason = "the widest dots, of 5.4 facets, at which a run still says that FAII count vertices"
-    yield Case(title, _counted, Expected(0.0, 0.1), "exact layers", reason=reason)
+    reason = (
+        "the widest dots, of 5.4 facets, at which a run still says that FAII count vertices: most "
+        "impulses are those of the mesh (19 of 20 of the units before those fitted at 100 Hz)"
+    )
+    yield Case(title, _counted, Expected.between(0.0, 0.2), "exact layers", reason=reason)
     yield Case(
         "strain at end organs of FAII over dots 1.41 mm apart: deviation in time, exact layers "
         "over mesh",
