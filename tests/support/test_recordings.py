@@ -209,7 +209,7 @@ UNUSUAL = {
     "times.lvm": (_of_other_times, "expected the same times X_Value of all channels"),
     "far.csv": (_far_away, r"line 3, column position \(m\): expected a size of at most 1e\+30"),
     "long.h5": (_with_long_doubles, "column time: expected a finite number, received inf"),
-    "type.mat": (_of_no_type, "expected a MATLAB file, received a damaged one"),
+    "type.mat": (_of_no_type, "expected a MATLAB file, received (a damaged one|another)"),
 }
 
 
