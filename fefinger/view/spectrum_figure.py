@@ -50,7 +50,7 @@ def even_slide(result: ResultRecord) -> EvenSlide | None:
 
 
 def meetings(scene: Scene, velocity: Array) -> dict[str, float]:
-    """Return how often in Hz the object comes again, and meets the next ridge of the skin."""
+    """Return the frequencies in Hz of the period of the object, and of the ridges of the skin."""
     turn = np.radians(scene.indenter.turn)
     own = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]) @ velocity
     along, across = (np.abs(own) / scene.indenter.repeats).tolist()
@@ -68,7 +68,7 @@ def meetings(scene: Scene, velocity: Array) -> dict[str, float]:
 
 
 def caption(slide: EvenSlide) -> str:
-    """Return what the figure shows, in words."""
+    """Return the caption of the figure."""
     text = (
         f"Amplitudes while the object slides at {np.hypot(*slide.velocity):.3g} mm/s, from "
         f"{slide.start:.3g} to {slide.stop:.3g} s, with a Hann window: of the input of the end "
